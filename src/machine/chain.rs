@@ -1,0 +1,147 @@
+//! The exact kinematic chain: from slide errors to the length between the two balls.
+
+use nalgebra::{Rotation3, Vector3};
+
+use super::{Axis, Machine, Pivot, Side};
+
+/// Where every slide stands and from which sense it came.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pose {
+    /// Machine coordinates of X, Y, Z, mm.
+    pub position_mm: Vector3<f64>,
+    /// Sense of the last motion of X, Y, Z: +1, -1, or 0 where no motion has yet been seen.
+    pub sense: Vector3<f64>,
+}
+
+/// The six errors of one slide at one pose, in directions of `F`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SlideError {
+    /// `EXH, EYH, EZH`, mm.
+    pub translation_mm: Vector3<f64>,
+    /// `EAH, EBH, ECH`, rad: `R = Rz(ECH) Ry(EBH) Rx(EAH)`.
+    pub rotation_rad: Vector3<f64>,
+}
+
+impl SlideError {
+    /// No error.
+    pub fn zero() -> Self {
+        Self { translation_mm: Vector3::zeros(), rotation_rad: Vector3::zeros() }
+    }
+}
+
+/// Everything that bends the chain at one pose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ChainErrors {
+    /// The errors of the X, Y and Z slides.
+    pub slides: [SlideError; 3],
+    /// Set-up error of the workpiece ball in its slide's frame, `EXw EYw EZw`, mm.
+    pub workpiece_ball_mm: Vector3<f64>,
+    /// Set-up error of the tool ball in its slide's frame, `EXt EYt EZt`, mm.
+    pub tool_ball_mm: Vector3<f64>,
+}
+
+impl ChainErrors {
+    /// A perfect machine.
+    pub fn zero() -> Self {
+        Self {
+            slides: [SlideError::zero(); 3],
+            workpiece_ball_mm: Vector3::zeros(),
+            tool_ball_mm: Vector3::zeros(),
+        }
+    }
+}
+
+/// Where the two balls are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mounting {
+    /// Machine coordinates at which both ball centres coincide: the zero of the work offset, mm.
+    pub coincidence_mm: Vector3<f64>,
+    /// Centre of the tool ball in the frame of the last slide on the tool side, mm.
+    pub tool_ball_mm: Vector3<f64>,
+}
+
+impl Machine {
+    /// `T_location` of a slide and its nominal motion in `F`, mm: where its frame stands on its neighbour.
+    fn step_mm(&self, axis: Axis, position_mm: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+        let mut motion = Vector3::zeros();
+        motion[axis.index()] = self.topology().side(axis).sign() * position_mm[axis.index()];
+        (self.slide(axis).location_mm, motion)
+    }
+
+    /// Origin of the last slide's frame of one side at a pose without errors, in `F`, mm.
+    fn last_frame_mm(&self, side: Side, position_mm: &Vector3<f64>) -> Vector3<f64> {
+        self.topology().slides(side).iter().fold(Vector3::zeros(), |origin, &axis| {
+            let (location, motion) = self.step_mm(axis, position_mm);
+            origin + location + motion
+        })
+    }
+
+    /// Centre of the workpiece ball in the frame of the last slide on the workpiece side, mm.
+    pub fn workpiece_ball_mm(&self, mounting: &Mounting) -> Vector3<f64> {
+        let at = &mounting.coincidence_mm;
+        self.last_frame_mm(Side::Tool, at) + mounting.tool_ball_mm
+            - self.last_frame_mm(Side::Workpiece, at)
+    }
+
+    /// A point of the outermost frame of one side in `F`, through the exact chain, mm:
+    /// `p_F = prod(T_location · T_motion · T_error) p` with the pivot on the carriage,
+    /// `T_location · T_error · T_motion` with the pivot on the base (DESIGN.md section 3).
+    fn point_mm(
+        &self,
+        side: Side,
+        position_mm: &Vector3<f64>,
+        errors: &ChainErrors,
+        point_mm: Vector3<f64>,
+    ) -> Vector3<f64> {
+        // The transforms act from the outermost frame inwards.
+        self.topology().slides(side).iter().rev().fold(point_mm, |point, &axis| {
+            let (location, motion) = self.step_mm(axis, position_mm);
+            let error = &errors.slides[axis.index()];
+            let [a, b, c] = error.rotation_rad.into();
+            let rotation = Rotation3::from_euler_angles(a, b, c);
+            match self.slide(axis).pivot {
+                Pivot::Carriage => location + motion + error.translation_mm + rotation * point,
+                Pivot::Base => location + error.translation_mm + rotation * (motion + point),
+            }
+        })
+    }
+
+    /// Vector from the workpiece ball to the tool ball in `F`, mm, through the exact chain.
+    ///
+    /// Its length is that of `w_T_t` (paper, Eq. 2): the rotation of the workpiece frame drops out.
+    pub fn ball_vector_mm(
+        &self,
+        mounting: &Mounting,
+        position_mm: &Vector3<f64>,
+        errors: &ChainErrors,
+    ) -> Vector3<f64> {
+        let tool = mounting.tool_ball_mm + errors.tool_ball_mm;
+        let workpiece = self.workpiece_ball_mm(mounting) + errors.workpiece_ball_mm;
+        self.point_mm(Side::Tool, position_mm, errors, tool)
+            - self.point_mm(Side::Workpiece, position_mm, errors, workpiece)
+    }
+
+    /// Lever of a slide: from its pivot to the tool ball at a pose without errors, in `F`, mm.
+    pub fn lever_mm(
+        &self,
+        axis: Axis,
+        mounting: &Mounting,
+        position_mm: &Vector3<f64>,
+    ) -> Vector3<f64> {
+        let side = self.topology().side(axis);
+        let tool_ball = self.last_frame_mm(Side::Tool, position_mm) + mounting.tool_ball_mm;
+        let mut pivot = Vector3::zeros();
+        for &slide in self.topology().slides(side) {
+            let (location, motion) = self.step_mm(slide, position_mm);
+            pivot += location;
+            if slide == axis {
+                if self.slide(axis).pivot == Pivot::Carriage {
+                    pivot += motion;
+                }
+                break;
+            }
+            pivot += motion;
+        }
+        tool_ball - pivot
+    }
+}

@@ -1,0 +1,259 @@
+//! The machine file: TOML in, a checked [`Machine`] out.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use nalgebra::Vector3;
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::{Axis, Topology};
+use crate::error::{Error, Place, Result};
+use crate::toml_text::{self, Text};
+
+/// Where a slide turns when it has an angular error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Pivot {
+    /// On the moving carriage: `T_motion · T_error`, the order of the paper's Eq. 1.
+    #[default]
+    Carriage,
+    /// On the guide: `T_error · T_motion`.
+    Base,
+}
+
+/// One linear axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Slide {
+    /// Lowest and highest machine coordinate, mm.
+    pub travel_mm: [f64; 2],
+    /// Rapid traverse, mm/s.
+    pub rapid_mm_s: f64,
+    /// Acceleration, mm/s².
+    pub acceleration_mm_s2: f64,
+    /// Where the slide turns.
+    pub pivot: Pivot,
+    /// Lead of the ball screw, mm, where known.
+    pub screw_pitch_mm: Option<f64>,
+    /// `T_location`: origin of the slide's frame on its neighbour at position 0, mm.
+    pub location_mm: Vector3<f64>,
+}
+
+/// What the control writes, reads and does at corners.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Controller {
+    /// The dialect of the programs; `fanuc` is the one there is.
+    pub dialect: String,
+    /// Decimals of an axis word.
+    pub decimals: usize,
+    /// Step of the N numbers; 0 writes none.
+    pub sequence_step: u32,
+    /// Characters allowed in comments besides letters and digits.
+    pub comment_characters: String,
+    /// Block that switches look-ahead on, empty for none.
+    pub look_ahead_on: String,
+    /// Block that switches look-ahead off, empty for none.
+    pub look_ahead_off: String,
+    /// Acceleration along the path at feed, mm/s².
+    pub path_acceleration_mm_s2: f64,
+    /// Corners sharper than this are taken with a stop, rad.
+    pub corner_stop_rad: f64,
+}
+
+/// A checked machine description.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Machine {
+    name: String,
+    file: PathBuf,
+    topology: Topology,
+    slides: [Slide; 3],
+    controller: Controller,
+}
+
+impl Machine {
+    /// Reads and checks a machine file.
+    pub fn read(file: &Path) -> Result<Self> {
+        Self::parse(&toml_text::read(file)?, file)
+    }
+
+    /// Checks the text of a machine file; `file` is for messages.
+    pub fn parse(source: &str, file: &Path) -> Result<Self> {
+        let text = Text { source, file };
+        let raw: RawMachine = text.parse()?;
+        let topology = Topology::parse(raw.topology.get_ref())
+            .map_err(|error| error.at(text.place(raw.topology.span())))?;
+        if raw.name.trim().is_empty() {
+            return Err(Error::input("the machine has no name").at(Place::file(file)));
+        }
+        let slides = [
+            raw.axes.x.check(Axis::X, &text)?,
+            raw.axes.y.check(Axis::Y, &text)?,
+            raw.axes.z.check(Axis::Z, &text)?,
+        ];
+        let controller = raw.controller.check(&text)?;
+        Ok(Self { name: raw.name, file: file.to_path_buf(), topology, slides, controller })
+    }
+
+    /// The name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The file that it was read from.
+    pub fn file(&self) -> &Path {
+        &self.file
+    }
+
+    /// The order of the slides.
+    pub fn topology(&self) -> &Topology {
+        &self.topology
+    }
+
+    /// One slide.
+    pub fn slide(&self, axis: Axis) -> &Slide {
+        &self.slides[axis.index()]
+    }
+
+    /// The control.
+    pub fn controller(&self) -> &Controller {
+        &self.controller
+    }
+
+    /// The same machine with the pivot of one slide moved.
+    #[must_use]
+    pub fn with_pivot(mut self, axis: Axis, pivot: Pivot) -> Self {
+        self.slides[axis.index()].pivot = pivot;
+        self
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawMachine {
+    name: String,
+    topology: Spanned<String>,
+    axes: RawAxes,
+    #[serde(default)]
+    controller: RawController,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "UPPERCASE")]
+struct RawAxes {
+    x: RawSlide,
+    y: RawSlide,
+    z: RawSlide,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawSlide {
+    travel_mm: Spanned<[f64; 2]>,
+    rapid_mm_min: Spanned<f64>,
+    acceleration_mm_s2: Spanned<f64>,
+    #[serde(default)]
+    pivot: Pivot,
+    screw_pitch_mm: Option<Spanned<f64>>,
+    #[serde(default)]
+    location_mm: Option<Spanned<[f64; 3]>>,
+}
+
+impl RawSlide {
+    fn check(self, axis: Axis, text: &Text<'_>) -> Result<Slide> {
+        let [low, high] = *self.travel_mm.get_ref();
+        if !(low.is_finite() && high.is_finite() && low < high) {
+            return Err(Error::input(format!(
+                "travel of axis {axis} goes from {low} to {high} mm"
+            ))
+            .at(text.place(self.travel_mm.span()))
+            .hint("give the lowest machine coordinate first, such as `travel_mm = [-250.0, 250.0]`"));
+        }
+        let location = match &self.location_mm {
+            None => Vector3::zeros(),
+            Some(at) => text.finite_vector(at, "location_mm")?,
+        };
+        Ok(Slide {
+            travel_mm: [low, high],
+            rapid_mm_s: text.positive(&self.rapid_mm_min, "rapid_mm_min")? / 60.0,
+            acceleration_mm_s2: text.positive(&self.acceleration_mm_s2, "acceleration_mm_s2")?,
+            pivot: self.pivot,
+            screw_pitch_mm: self
+                .screw_pitch_mm
+                .map(|pitch| text.positive(&pitch, "screw_pitch_mm"))
+                .transpose()?,
+            location_mm: location,
+        })
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct RawController {
+    dialect: Spanned<String>,
+    decimals: Spanned<usize>,
+    sequence_step: u32,
+    comment_characters: String,
+    look_ahead_on: Spanned<String>,
+    look_ahead_off: Spanned<String>,
+    path_acceleration_mm_s2: Spanned<f64>,
+    corner_stop_deg: Spanned<f64>,
+}
+
+impl Default for RawController {
+    fn default() -> Self {
+        fn bare<T>(value: T) -> Spanned<T> {
+            Spanned::new(Range { start: 0, end: 0 }, value)
+        }
+        Self {
+            dialect: bare("fanuc".into()),
+            decimals: bare(3),
+            sequence_step: 10,
+            // The characters that the generic Fanuc post-processors let through.
+            comment_characters: " .,=_-".into(),
+            look_ahead_on: bare(String::new()),
+            look_ahead_off: bare(String::new()),
+            path_acceleration_mm_s2: bare(500.0),
+            corner_stop_deg: bare(25.0),
+        }
+    }
+}
+
+impl RawController {
+    fn check(self, text: &Text<'_>) -> Result<Controller> {
+        if self.dialect.get_ref() != "fanuc" {
+            return Err(Error::input(format!("unknown dialect `{}`", self.dialect.get_ref()))
+                .at(text.place(self.dialect.span()))
+                .hint("write `dialect = \"fanuc\"`"));
+        }
+        let decimals = *self.decimals.get_ref();
+        if !(2..=6).contains(&decimals) {
+            return Err(Error::input(format!("an axis word cannot have {decimals} decimals"))
+                .at(text.place(self.decimals.span()))
+                .hint("increment system IS-B has 3 decimals, IS-C has 4"));
+        }
+        for block in [&self.look_ahead_on, &self.look_ahead_off] {
+            if !block.get_ref().chars().all(|c| c.is_ascii_alphanumeric() || " .-".contains(c)) {
+                return Err(Error::input(format!("`{}` is not a block", block.get_ref()))
+                    .at(text.place(block.span()))
+                    .hint("write one block of plain words, such as `G05.1 Q1`"));
+            }
+        }
+        let corner_deg = *self.corner_stop_deg.get_ref();
+        if !(0.0..=180.0).contains(&corner_deg) {
+            return Err(Error::input(format!("a corner of {corner_deg} degrees cannot be"))
+                .at(text.place(self.corner_stop_deg.span()))
+                .hint("give the angle between the two directions of motion, 0 to 180"));
+        }
+        Ok(Controller {
+            dialect: self.dialect.into_inner(),
+            decimals,
+            sequence_step: self.sequence_step,
+            comment_characters: self.comment_characters,
+            look_ahead_on: self.look_ahead_on.into_inner(),
+            look_ahead_off: self.look_ahead_off.into_inner(),
+            path_acceleration_mm_s2: text
+                .positive(&self.path_acceleration_mm_s2, "path_acceleration_mm_s2")?,
+            corner_stop_rad: corner_deg.to_radians(),
+        })
+    }
+}

@@ -1,0 +1,67 @@
+//! Closed-form derivatives of the length with respect to everything that bends the chain.
+
+use nalgebra::Vector3;
+
+use super::functions::basis;
+use crate::machine::{Axis, ChainErrors, Machine, Mounting, Pose};
+
+/// Derivative of the length with respect to the six errors of one slide.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SlideGradient {
+    /// `±u`: mm of length per mm of displacement.
+    pub translation: Vector3<f64>,
+    /// `±(r × u)`: mm of length per rad of rotation.
+    pub rotation_mm: Vector3<f64>,
+}
+
+/// One pose seen by the terms: where it is, and what the length is sensitive to there.
+///
+/// With `r` the lever from the slide's pivot to the tool ball and `u` the unit ball vector, a slide
+/// contributes `d rho = ± u · (e + eps × r) = ± (u · e + (r × u) · eps)`, plus on the tool side and minus
+/// on the workpiece side (DESIGN.md section 3; paper, Eq. 5). These are derivatives at zero error.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Situation {
+    /// The pose.
+    pub pose: Pose,
+    /// Index of the mounting.
+    pub mounting: usize,
+    /// Unit vector from the workpiece ball to the tool ball without errors.
+    pub direction: Vector3<f64>,
+    /// Derivatives for the X, Y and Z slides.
+    pub slides: [SlideGradient; 3],
+    /// `1, h, h², h³, b` of each slide.
+    pub basis: [[f64; 5]; 3],
+}
+
+impl Situation {
+    /// The situation at a pose.
+    ///
+    /// `None` where the two balls coincide, because the bar has no direction there.
+    pub fn new(machine: &Machine, mounting: &Mounting, index: usize, pose: &Pose) -> Option<Self> {
+        let ball =
+            machine.ball_vector_mm(mounting, &pose.position_mm, &ChainErrors::zero());
+        let direction = ball.try_normalize(f64::EPSILON)?;
+        Some(Self::along(machine, mounting, index, pose, direction))
+    }
+
+    /// The situation at a pose, seen along any unit vector: with X, Y and Z in turn the three rows of
+    /// the Cartesian Jacobian (paper, Eq. 4), in the workpiece's frame.
+    pub fn along(
+        machine: &Machine,
+        mounting: &Mounting,
+        index: usize,
+        pose: &Pose,
+        direction: Vector3<f64>,
+    ) -> Self {
+        let slides = Axis::ALL.map(|axis| {
+            let sign = machine.topology().side(axis).sign();
+            let lever = machine.lever_mm(axis, mounting, &pose.position_mm);
+            SlideGradient {
+                translation: sign * direction,
+                rotation_mm: sign * lever.cross(&direction),
+            }
+        });
+        let basis = [0, 1, 2].map(|i| basis(pose.position_mm[i], pose.sense[i]));
+        Self { pose: *pose, mounting: index, direction, slides, basis }
+    }
+}

@@ -1,0 +1,22 @@
+//! The error model: coefficient names, error functions, terms and the projected Jacobian.
+//!
+//! Each slide H has six error functions
+//! `E_IH(h, b) = E_IH0 + E_IH1 h + E_IH2 h² + E_IH3 h³ + b E_IHb` (paper, Eq. 3) of its machine
+//! coordinate `h` (mm) and its sense `b`; `EXH EYH EZH` are in mm, `EAH EBH ECH` in rad, all in
+//! directions of the machine frame, and they describe the displacement of *that slide*. With the six
+//! set-up errors of the two balls this makes 96 names.
+//!
+//! A [`Term`] is the unit of the model: a name, parameters with units, columns over samples, and the
+//! way it bends the exact chain. Extending the model is adding a term.
+
+mod coefficient;
+mod functions;
+mod jacobian;
+mod sets;
+mod term;
+
+pub use coefficient::{Ball, Coefficient, Component, Power, SetUp};
+pub use functions::ErrorFunctions;
+pub use jacobian::{Situation, SlideGradient};
+pub use sets::{NAMED_SETS, coefficients, terms};
+pub use term::{Model, Parameter, Term};

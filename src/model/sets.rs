@@ -1,0 +1,124 @@
+//! Named sets of terms.
+
+use super::term::SetUpTerm;
+use super::{Ball, Coefficient, SetUp, Term};
+use crate::error::{Error, Result};
+
+/// The sets that have a name, with what they are.
+pub const NAMED_SETS: [(&str, &str); 4] = [
+    ("paper37", "the 37 coefficients and 3 set-up errors of the paper's Table 5; full rank only with the pivot of X on the base"),
+    ("observable35", "what 3D6 sees in one mounting with the pivots on the carriages: 35 coefficients and 3 set-up errors"),
+    ("planar27", "what the three coordinate planes see in one mounting: 27 coefficients and 3 set-up errors"),
+    ("all", "all 90 coefficients and 6 set-up errors, by minimum norm"),
+];
+
+/// Common to the paper's 37 and to the observable 35.
+const SHARED: &str = "EXX1 EXX3 EXXb EYX2 EYXb EZX2 EZX3 EZXb \
+    EXY2 EXY3 EXYb EYY1 EYY3 EYYb EZY2 EZY3 EZYb \
+    EXZ1 EXZ2 EXZ3 EXZb EYZ2 EYZ3 EYZb EZZ1 EZZ3 EZZb \
+    EAZ0 ECZ0 ECZ1 ECZ2 ECZ3 ECZb";
+
+/// Of those, what needs a meridian between the coordinate planes.
+const NEEDS_MERIDIANS: &str = "EZX3 EZY3 ECZ1 ECZ2 ECZ3 ECZb";
+
+fn parse_all(names: &str) -> Vec<Coefficient> {
+    names.split_whitespace().filter_map(Coefficient::parse).collect()
+}
+
+/// The coefficients of a named set, in the order of Table 1; `None` for an unknown name.
+pub fn coefficients(set: &str) -> Option<Vec<Coefficient>> {
+    let mut of_set = match set {
+        "paper37" => [parse_all(SHARED), parse_all("EBX3 EBXb ECX3 ECXb")].concat(),
+        "observable35" => [parse_all(SHARED), parse_all("EAZ3 EAZb")].concat(),
+        "planar27" => {
+            let meridians = parse_all(NEEDS_MERIDIANS);
+            parse_all(SHARED).into_iter().filter(|c| !meridians.contains(c)).collect()
+        }
+        "all" => Coefficient::all().collect(),
+        _ => return None,
+    };
+    of_set.sort();
+    Some(of_set)
+}
+
+/// The terms that a list of names asks for, in the order of Table 1, set-up errors last.
+///
+/// Each entry is the name of a set, of a coefficient or of a set-up error; `-NAME` leaves one out
+/// again. A named set brings the set-up errors of the tool ball, `all` also those of the workpiece
+/// ball. `mountings` names the mountings; each has set-up errors of its own.
+///
+/// # Errors
+/// An unknown name, with the nearest names in the hint; an empty selection.
+pub fn terms(names: &[String], mountings: &[String]) -> Result<Vec<Box<dyn Term>>> {
+    let mut chosen: Vec<Coefficient> = Vec::new();
+    let mut set_ups: Vec<SetUp> = Vec::new();
+    for name in names {
+        if let Some(of_set) = coefficients(name) {
+            chosen.extend(of_set);
+            set_ups.extend(SetUp::all().filter(|s| name == "all" || s.ball == Ball::Tool));
+            continue;
+        }
+        let (leave_out, bare) = match name.strip_prefix('-') {
+            Some(bare) => (true, bare),
+            None => (false, name.as_str()),
+        };
+        match (Coefficient::parse(bare), SetUp::parse(bare)) {
+            (Some(coefficient), _) if leave_out => chosen.retain(|c| *c != coefficient),
+            (_, Some(set_up)) if leave_out => set_ups.retain(|s| *s != set_up),
+            (Some(coefficient), _) => chosen.push(coefficient),
+            (_, Some(set_up)) => set_ups.push(set_up),
+            (None, None) => {
+                let sets: Vec<&str> = NAMED_SETS.iter().map(|(set, _)| *set).collect();
+                return Err(Error::input(format!("unknown term `{name}`")).hint(format!(
+                    "terms are named as in the paper, such as `EXX1`, `EYYb`, `EAZ0` or `EXt`; sets are `{}`",
+                    sets.join("`, `")
+                )));
+            }
+        }
+    }
+    chosen.sort();
+    chosen.dedup();
+    set_ups.sort();
+    set_ups.dedup();
+    if chosen.is_empty() && set_ups.is_empty() {
+        return Err(Error::input("no terms are chosen")
+            .hint("name a set such as `observable35`, or coefficients"));
+    }
+    let mut terms: Vec<Box<dyn Term>> = Vec::new();
+    for coefficient in chosen {
+        terms.push(Box::new(coefficient));
+    }
+    for (mounting, name) in mountings.iter().enumerate() {
+        let mounting_name = if mountings.len() > 1 { name.clone() } else { String::new() };
+        for &set_up in &set_ups {
+            terms.push(Box::new(SetUpTerm { set_up, mounting, mounting_name: mounting_name.clone() }));
+        }
+    }
+    Ok(terms)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sets_have_the_sizes_in_their_names() {
+        for (set, size) in [("paper37", 37), ("observable35", 35), ("planar27", 27), ("all", 90)] {
+            assert_eq!(coefficients(set).unwrap().len(), size);
+        }
+        let one = terms(&["observable35".into()], &["A".into()]).unwrap();
+        assert_eq!(one.len(), 38);
+        let two = terms(&["observable35".into()], &["A".into(), "B".into()]).unwrap();
+        assert_eq!(two.len(), 41);
+        assert_eq!(two[40].parameters()[0].name, "EZt@B");
+    }
+
+    #[test]
+    fn a_minus_leaves_out_and_an_unknown_name_is_told() {
+        let names = ["observable35".to_owned(), "-EAZ3".to_owned(), "EBX3".to_owned()];
+        assert_eq!(terms(&names, &["A".into()]).unwrap().len(), 38);
+        let error = terms(&["EXX9".into()], &["A".into()]).unwrap_err();
+        assert!(error.what.contains("EXX9"));
+    }
+}

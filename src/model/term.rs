@@ -1,0 +1,164 @@
+//! Terms, and the model that they make together.
+
+use std::fmt::Debug;
+
+use nalgebra::Vector3;
+
+use super::{Ball, Coefficient, SetUp, Situation};
+use crate::machine::{Axis, ChainErrors, Machine, Mounting, Pose};
+
+/// A number that a term estimates.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Parameter {
+    /// Its name, such as `EXX1`.
+    pub name: String,
+    /// Its unit, such as `mm/mm`.
+    pub unit: &'static str,
+}
+
+/// The unit of the model.
+pub trait Term: Debug + Send + Sync {
+    /// What it estimates, in the order of its columns.
+    fn parameters(&self) -> Vec<Parameter>;
+
+    /// How many parameters it has.
+    fn parameter_count(&self) -> usize {
+        1
+    }
+
+    /// Derivatives of the length (mm) with respect to each parameter, one number a parameter.
+    fn columns(&self, at: &Situation, out: &mut [f64]);
+
+    /// Adds what the parameters' values do to the exact chain.
+    fn bend(&self, values: &[f64], at: &Pose, mounting: usize, errors: &mut ChainErrors);
+}
+
+impl Term for Coefficient {
+    fn parameters(&self) -> Vec<Parameter> {
+        vec![Parameter { name: self.to_string(), unit: self.unit() }]
+    }
+
+    fn columns(&self, at: &Situation, out: &mut [f64]) {
+        let gradient = &at.slides[self.slide.index()];
+        let along =
+            if self.component.is_angular() { &gradient.rotation_mm } else { &gradient.translation };
+        out[0] = along[self.component.direction()] * at.basis[self.slide.index()][self.power as usize];
+    }
+
+    fn bend(&self, values: &[f64], at: &Pose, _mounting: usize, errors: &mut ChainErrors) {
+        let i = self.slide.index();
+        let basis = super::functions::basis(at.position_mm[i], at.sense[i]);
+        let slide = &mut errors.slides[i];
+        let of = if self.component.is_angular() {
+            &mut slide.rotation_rad
+        } else {
+            &mut slide.translation_mm
+        };
+        of[self.component.direction()] += values[0] * basis[self.power as usize];
+    }
+}
+
+/// A set-up error belongs to one mounting; another mounting brings its own.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct SetUpTerm {
+    pub(super) set_up: SetUp,
+    pub(super) mounting: usize,
+    /// Name of the mounting where a test has several, empty where it has one.
+    pub(super) mounting_name: String,
+}
+
+impl Term for SetUpTerm {
+    fn parameters(&self) -> Vec<Parameter> {
+        let name = match self.mounting_name.as_str() {
+            "" => self.set_up.to_string(),
+            mounting => format!("{}@{mounting}", self.set_up),
+        };
+        vec![Parameter { name, unit: "mm" }]
+    }
+
+    fn columns(&self, at: &Situation, out: &mut [f64]) {
+        let along = at.direction[self.set_up.axis.index()];
+        out[0] = match self.set_up.ball {
+            _ if at.mounting != self.mounting => 0.0,
+            Ball::Tool => along,
+            Ball::Workpiece => -along,
+        };
+    }
+
+    fn bend(&self, values: &[f64], _at: &Pose, mounting: usize, errors: &mut ChainErrors) {
+        if mounting == self.mounting {
+            let ball = match self.set_up.ball {
+                Ball::Tool => &mut errors.tool_ball_mm,
+                Ball::Workpiece => &mut errors.workpiece_ball_mm,
+            };
+            ball[self.set_up.axis.index()] += values[0];
+        }
+    }
+}
+
+/// A machine, where the balls are, and the terms that describe how it errs.
+#[derive(Debug)]
+pub struct Model<'a> {
+    machine: &'a Machine,
+    mountings: Vec<Mounting>,
+    terms: Vec<Box<dyn Term>>,
+    parameters: Vec<Parameter>,
+}
+
+impl<'a> Model<'a> {
+    /// A model of these terms.
+    pub fn new(machine: &'a Machine, mountings: Vec<Mounting>, terms: Vec<Box<dyn Term>>) -> Self {
+        let parameters = terms.iter().flat_map(|term| term.parameters()).collect();
+        Self { machine, mountings, terms, parameters }
+    }
+
+    /// What the columns are, in order.
+    pub fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    /// The machine.
+    pub fn machine(&self) -> &'a Machine {
+        self.machine
+    }
+
+    /// The mountings.
+    pub fn mountings(&self) -> &[Mounting] {
+        &self.mountings
+    }
+
+    /// One row of the projected Jacobian: `d rho / d parameter`, mm per unit of the parameter.
+    pub fn row(&self, at: &Situation, out: &mut [f64]) {
+        let mut column = 0;
+        for term in &self.terms {
+            let next = column + term.parameter_count();
+            term.columns(at, &mut out[column..next]);
+            column = next;
+        }
+    }
+
+    /// Length between the balls through the exact chain, mm.
+    pub fn length_mm(&self, values: &[f64], pose: &Pose, mounting: usize) -> f64 {
+        let mut errors = ChainErrors::zero();
+        let mut column = 0;
+        for term in &self.terms {
+            let next = column + term.parameter_count();
+            term.bend(&values[column..next], pose, mounting, &mut errors);
+            column = next;
+        }
+        self.machine.ball_vector_mm(&self.mountings[mounting], &pose.position_mm, &errors).norm()
+    }
+
+    /// The situation at a pose; where the balls coincide the bar is taken to point along Z.
+    pub fn situation(&self, pose: &Pose, mounting: usize) -> Situation {
+        Situation::new(self.machine, &self.mountings[mounting], mounting, pose).unwrap_or_else(|| {
+            Situation::along(
+                self.machine,
+                &self.mountings[mounting],
+                mounting,
+                pose,
+                Vector3::ith(Axis::Z.index(), 1.0),
+            )
+        })
+    }
+}
