@@ -3,6 +3,9 @@
 pub mod error;
 pub mod machine;
 pub mod model;
+pub mod motion;
+pub mod nc;
+pub mod plan;
 mod toml_text;
 
 pub use error::{Error, Result};

@@ -1,0 +1,3 @@
+//! Numerical control.
+mod program;
+pub use program::{Action, Move, Path, Program, Step};

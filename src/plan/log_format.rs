@@ -1,0 +1,195 @@
+//! What the columns of a log mean.
+
+/// Unit of a column of times.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TimeUnit {
+    /// Seconds.
+    Second,
+    /// Milliseconds.
+    Millisecond,
+    /// Microseconds.
+    Microsecond,
+    /// Minutes.
+    Minute,
+}
+
+impl TimeUnit {
+    /// The names that [`TimeUnit::parse`] knows.
+    pub const NAMES: [&str; 4] = ["s", "ms", "us", "min"];
+
+    /// The unit of a name as a test file gives it.
+    pub fn parse(name: &str) -> Option<Self> {
+        match name {
+            "s" => Some(Self::Second),
+            "ms" => Some(Self::Millisecond),
+            "us" => Some(Self::Microsecond),
+            "min" => Some(Self::Minute),
+            _ => None,
+        }
+    }
+
+    /// The name as a test file gives it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Second => "s",
+            Self::Millisecond => "ms",
+            Self::Microsecond => "us",
+            Self::Minute => "min",
+        }
+    }
+
+    /// A value in this unit, in s.
+    pub fn to_s(self, value: f64) -> f64 {
+        // Divisions, because 1e-3 and 1e-6 are not exact: 6.3 / 1e3 is the double nearest to 0.0063.
+        match self {
+            Self::Second => value,
+            Self::Millisecond => value / 1e3,
+            Self::Microsecond => value / 1e6,
+            Self::Minute => value * 60.0,
+        }
+    }
+}
+
+/// Unit of a column of readings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LengthUnit {
+    /// Millimetres.
+    Millimetre,
+    /// Micrometres.
+    Micrometre,
+    /// Nanometres.
+    Nanometre,
+    /// Inches of 25.4 mm.
+    Inch,
+}
+
+impl LengthUnit {
+    /// The names that [`LengthUnit::parse`] knows.
+    pub const NAMES: [&str; 4] = ["mm", "um", "nm", "inch"];
+
+    /// The unit of a name as a test file gives it.
+    pub fn parse(name: &str) -> Option<Self> {
+        match name {
+            "mm" => Some(Self::Millimetre),
+            "um" => Some(Self::Micrometre),
+            "nm" => Some(Self::Nanometre),
+            "inch" => Some(Self::Inch),
+            _ => None,
+        }
+    }
+
+    /// The name as a test file gives it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Millimetre => "mm",
+            Self::Micrometre => "um",
+            Self::Nanometre => "nm",
+            Self::Inch => "inch",
+        }
+    }
+
+    /// A value in this unit, in mm.
+    pub fn to_mm(self, value: f64) -> f64 {
+        match self {
+            Self::Millimetre => value,
+            Self::Micrometre => value / 1e3,
+            Self::Nanometre => value / 1e6,
+            Self::Inch => value * 25.4,
+        }
+    }
+}
+
+/// Where the time of a reading comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum TimeColumn {
+    /// A column of the log, on the instrument's own clock.
+    Named {
+        /// Its name in the header.
+        name: String,
+        /// Its unit.
+        unit: TimeUnit,
+    },
+    /// No column: sample `k`, counted from 0, was taken at `k / hz`.
+    Rate {
+        /// Samples per second.
+        hz: f64,
+    },
+}
+
+/// What the instrument wrote down.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ReadingKind {
+    /// Length of the bar minus its nominal length, positive outward.
+    Deviation,
+    /// The whole length of the bar.
+    Length {
+        /// The nominal length that is subtracted, mm.
+        nominal_mm: f64,
+    },
+}
+
+/// Where the readings come from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReadingColumn {
+    /// Name of the column in the header.
+    pub name: String,
+    /// Its unit.
+    pub unit: LengthUnit,
+    /// Whether it holds deviations or lengths.
+    pub kind: ReadingKind,
+}
+
+/// What stands between two fields of a line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Delimiter {
+    /// A comma; numbers then have a decimal point.
+    Comma,
+    /// A semicolon; numbers may have a decimal comma.
+    Semicolon,
+    /// A tab; numbers may have a decimal comma.
+    Tab,
+}
+
+impl Delimiter {
+    /// Every delimiter, in the order in which they are tried.
+    pub const ALL: [Self; 3] = [Self::Comma, Self::Semicolon, Self::Tab];
+
+    pub(crate) fn byte(self) -> u8 {
+        match self {
+            Self::Comma => b',',
+            Self::Semicolon => b';',
+            Self::Tab => b'\t',
+        }
+    }
+}
+
+/// How to read a log.
+///
+/// The default is the format this program writes itself: `time_s` in s, `deviation_um` in um.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Format {
+    /// Where the time comes from.
+    pub time: TimeColumn,
+    /// Where the readings come from.
+    pub reading: ReadingColumn,
+    /// What separates the fields; `None` looks at the header: the delimiter by which it holds the
+    /// wanted columns.
+    pub delimiter: Option<Delimiter>,
+}
+
+impl Default for Format {
+    fn default() -> Self {
+        Self {
+            time: TimeColumn::Named {
+                name: "time_s".to_owned(),
+                unit: TimeUnit::Second,
+            },
+            reading: ReadingColumn {
+                name: "deviation_um".to_owned(),
+                unit: LengthUnit::Micrometre,
+                kind: ReadingKind::Deviation,
+            },
+            delimiter: None,
+        }
+    }
+}

@@ -1,0 +1,16 @@
+//! The plan of a test: arcs on the sphere, strategies, and the path that a program will drive.
+//!
+//! Points are vectors from the workpiece ball to the tool ball in programmed coordinates, mm. Angles
+//! on the sphere: polar angle from the tool axis Z, azimuth from X towards Y.
+
+mod arc;
+pub mod log_format;
+mod path;
+mod raw;
+mod strategy;
+mod test_file;
+
+pub use arc::Arc;
+pub use path::{Path, Step};
+pub use strategy::Strategy;
+pub use test_file::{BallBar, Estimation, Loss, NamedMounting, PathPlan, Run, Test};

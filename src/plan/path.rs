@@ -1,0 +1,167 @@
+//! The path of one mounting: approach, engagement, arcs, transits, release.
+
+use nalgebra::{UnitVector3, Vector3};
+
+use super::{Arc, PathPlan, Test};
+use crate::error::{Error, Result};
+use crate::machine::Machine;
+
+/// One step of the path. Positions are vectors from the workpiece ball to the tool ball, mm.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Step {
+    /// A comment in the program.
+    Comment(String),
+    /// Positioning at rapid traverse.
+    Rapid(Vector3<f64>),
+    /// A straight move at feed.
+    Feed(Vector3<f64>),
+    /// Chords along an arc, without its first point.
+    Chords(Vec<Vector3<f64>>),
+    /// Stand still, s.
+    Dwell(f64),
+    /// Wait for the operator, with what he is asked to do.
+    Stop(&'static str),
+    /// Look-ahead on (true) or off.
+    LookAhead(bool),
+}
+
+/// The path of one mounting.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Path {
+    /// Index of the mounting in the test.
+    pub mounting: usize,
+    /// Its steps in order.
+    pub steps: Vec<Step>,
+    /// Arcs and transits in the order in which they are driven, each with whether it is a transit.
+    pub arcs: Vec<(Arc, bool)>,
+}
+
+/// How far the approach stands off beyond the start of the feed-in, mm.
+const STAND_OFF_MM: f64 = 20.0;
+/// How far every slide moves, at least, on its way to the start of the feed-in, mm: enough to take up
+/// any backlash, so that the sense of every slide is known before the bar engages.
+const SENSE_MOVE_MM: f64 = 5.0;
+
+impl Path {
+    /// Plans the path of one mounting of a test and checks it against the travel of the machine.
+    pub fn plan(test: &Test, machine: &Machine, mounting: usize) -> Result<Self> {
+        let plan = test.plan()?;
+        let length_mm = test.ball_bar().length_mm;
+        let mut path = Self { mounting, steps: Vec::new(), arcs: Vec::new() };
+        let mut at: Option<UnitVector3<f64>> = None;
+        for arc in plan.arcs() {
+            let (forward, backward) = directions_of_travel(&arc);
+            for (index, leg) in
+                [arc.reversed(&backward), Arc { name: forward, ..arc.clone() }].iter().rev().enumerate()
+            {
+                if index == 1 && !plan.both_directions {
+                    continue;
+                }
+                match at {
+                    None => path.engage(plan, &leg.start, length_mm),
+                    Some(from) => path.transit(plan, &from, &leg.start, length_mm),
+                }
+                path.drive(leg, false, plan, length_mm);
+                at = Some(leg.at(1.0));
+            }
+        }
+        let Some(end) = at else {
+            return Err(Error::input("the plan has no arcs").hint("give a strategy or `[[plan.arc]]`"));
+        };
+        path.pause(plan);
+        path.steps.push(Step::Comment("RELEASE".into()));
+        path.steps.push(Step::Feed(end.into_inner() * (length_mm + plan.feed_in_mm)));
+        path.steps.push(Step::Dwell(plan.settle_s));
+        path.check_travel(test, machine)?;
+        Ok(path)
+    }
+
+    /// Approaches outside the bar's range with every slide moving, then feeds in along the radius.
+    fn engage(&mut self, plan: &PathPlan, start: &UnitVector3<f64>, length_mm: f64) {
+        let outside = start.into_inner() * (length_mm + plan.feed_in_mm);
+        // Beyond along the radius, and aside wherever the radius alone would not move a slide enough.
+        let aside = start.map(|s| {
+            let along = STAND_OFF_MM * s;
+            if along.abs() >= SENSE_MOVE_MM {
+                along
+            } else if along > 0.0 {
+                SENSE_MOVE_MM
+            } else {
+                -SENSE_MOVE_MM
+            }
+        });
+        self.steps.push(Step::Comment("APPROACH".into()));
+        self.steps.push(Step::Rapid(outside + aside));
+        self.steps.push(Step::Feed(outside));
+        self.steps.push(Step::Stop("FIT BALL-BAR"));
+        self.steps.push(Step::Dwell(plan.settle_s));
+        self.steps.push(Step::Comment("ENGAGE".into()));
+        self.steps.push(Step::Feed(start.into_inner() * length_mm));
+    }
+
+    /// A dwell or an operator's stop between two arcs.
+    fn pause(&mut self, plan: &PathPlan) {
+        self.steps.push(if plan.stop_between_arcs {
+            Step::Stop("PRESS START TO GO ON")
+        } else {
+            Step::Dwell(plan.dwell_s)
+        });
+    }
+
+    /// Goes to the start of the next arc along the sphere, if it is elsewhere.
+    fn transit(
+        &mut self,
+        plan: &PathPlan,
+        from: &UnitVector3<f64>,
+        to: &UnitVector3<f64>,
+        length_mm: f64,
+    ) {
+        let arc = Arc::shortest("TRANSIT", from, to);
+        if arc.sweep_rad * length_mm > 1e-3 {
+            self.pause(plan);
+            self.drive(&arc, true, plan, length_mm);
+        }
+        let dwell = self.arcs.last().is_some_and(|(_, transit)| *transit);
+        if dwell { self.steps.push(Step::Dwell(plan.dwell_s)) } else { self.pause(plan) }
+    }
+
+    /// Drives an arc in chords.
+    fn drive(&mut self, arc: &Arc, transit: bool, plan: &PathPlan, length_mm: f64) {
+        if self.arcs.is_empty() {
+            self.steps.push(Step::Dwell(plan.dwell_s));
+        }
+        let count = arc.chords(length_mm, plan.chord_sag_mm);
+        let point = |k: usize| arc.at(k as f64 / count as f64).into_inner() * length_mm;
+        self.steps.push(Step::Comment(arc.name.clone()));
+        self.steps.push(Step::LookAhead(true));
+        self.steps.push(Step::Chords((1..=count).map(point).collect()));
+        self.steps.push(Step::LookAhead(false));
+        self.arcs.push((arc.clone(), transit));
+    }
+
+    /// Every point that the path names, in order.
+    pub fn points(&self) -> impl Iterator<Item = &Vector3<f64>> {
+        self.steps.iter().flat_map(|step| match step {
+            Step::Rapid(point) | Step::Feed(point) => std::slice::from_ref(point),
+            Step::Chords(points) => points,
+            _ => &[],
+        })
+    }
+
+    fn check_travel(&self, test: &Test, machine: &Machine) -> Result<()> {
+        let mounting = &test.mountings()[self.mounting];
+        for point in self.points() {
+            machine.axis_positions_mm(&mounting.mounting, point).map_err(|mut error| {
+                error.what = format!("mounting `{}`: {}", mounting.name, error.what);
+                error.at(crate::error::Place::file(test.file()))
+            })?;
+        }
+        Ok(())
+    }
+}
+
+/// Names of the two directions of an arc: a closed circle is driven CCW and CW, others forward and backward.
+fn directions_of_travel(arc: &Arc) -> (String, String) {
+    let (forward, backward) = if arc.is_closed() { ("CCW", "CW") } else { ("FORWARD", "BACKWARD") };
+    (format!("{} {forward}", arc.name), format!("{} {backward}", arc.name))
+}

@@ -1,0 +1,402 @@
+//! The sections of a test file as they are written, and the checks that make them types.
+
+use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
+
+use nalgebra::{Unit, UnitVector3, Vector3};
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::log_format::{Format, LengthUnit, ReadingColumn, ReadingKind, TimeColumn, TimeUnit};
+use super::{Arc, BallBar, Estimation, Loss, NamedMounting, PathPlan, Run, Strategy};
+use crate::error::{Error, Place, Result};
+use crate::machine::Mounting;
+use crate::model;
+use crate::toml_text::Text;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawTest {
+    pub(super) name: String,
+    pub(super) machine: String,
+    pub(super) ball_bar: RawBallBar,
+    #[serde(default)]
+    pub(super) log: RawLog,
+    pub(super) mounting: Vec<RawMounting>,
+    pub(super) plan: Option<RawPlan>,
+    #[serde(default)]
+    pub(super) identify: RawEstimation,
+    #[serde(default)]
+    pub(super) run: Vec<RawRun>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawBallBar {
+    length_mm: Spanned<f64>,
+    range_mm: Option<Spanned<f64>>,
+    resolution_um: Option<Spanned<f64>>,
+    noise_um: Option<Spanned<f64>>,
+    clock_ppm: Option<Spanned<f64>>,
+}
+
+impl RawBallBar {
+    pub(super) fn check(self, log: &RawLog, text: &Text<'_>) -> Result<BallBar> {
+        // Defaults: a QC20-W reads a little over 1 mm either way in steps of 0.1 um.
+        let or = |value: Option<Spanned<f64>>, key: &str, default: f64| {
+            value.map_or(Ok(default), |value| text.positive(&value, key))
+        };
+        let length_mm = text.positive(&self.length_mm, "length_mm")?;
+        let range_mm = or(self.range_mm, "range_mm", 1.2)?;
+        if range_mm >= length_mm {
+            return Err(Error::input(format!(
+                "a bar of {length_mm} mm cannot read {range_mm} mm either way"
+            ))
+            .at(text.place(self.length_mm.span())));
+        }
+        Ok(BallBar {
+            length_mm,
+            range_mm,
+            resolution_mm: or(self.resolution_um, "resolution_um", 0.1)? * 1e-3,
+            noise_mm: or(self.noise_um, "noise_um", 0.15)? * 1e-3,
+            sample_rate_hz: match &log.sample_rate_hz {
+                Some(rate) => text.positive(rate, "sample_rate_hz")?,
+                None => 10.0,
+            },
+            clock_tolerance: or(self.clock_ppm, "clock_ppm", 100.0)? * 1e-6,
+        })
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawMounting {
+    name: Spanned<String>,
+    coincidence_mm: Spanned<[f64; 3]>,
+    tool_ball_mm: Spanned<[f64; 3]>,
+    work_offset: Option<Spanned<String>>,
+}
+
+pub(super) fn check_mountings(raw: &[RawMounting], text: &Text<'_>) -> Result<Vec<NamedMounting>> {
+    let mut mountings: Vec<NamedMounting> = Vec::new();
+    for entry in raw {
+        let name = entry.name.get_ref().clone();
+        if name.is_empty() || mountings.iter().any(|mounting| mounting.name == name) {
+            return Err(Error::input(format!("there is another mounting `{name}`, or the name is empty"))
+                .at(text.place(entry.name.span()))
+                .hint("give every mounting its own name"));
+        }
+        let work_offset = match &entry.work_offset {
+            None => 54,
+            Some(written) => written
+                .get_ref()
+                .strip_prefix('G')
+                .and_then(|number| number.parse().ok())
+                .filter(|number| (54..=59).contains(number))
+                .ok_or_else(|| {
+                    Error::input(format!("`{}` is not a work offset", written.get_ref()))
+                        .at(text.place(written.span()))
+                        .hint("write one of `G54` to `G59`")
+                })?,
+        };
+        mountings.push(NamedMounting {
+            name,
+            mounting: Mounting {
+                coincidence_mm: text.finite_vector(&entry.coincidence_mm, "coincidence_mm")?,
+                tool_ball_mm: text.finite_vector(&entry.tool_ball_mm, "tool_ball_mm")?,
+            },
+            work_offset,
+        });
+    }
+    if mountings.is_empty() {
+        return Err(Error::input("the test has no mounting").at(Place::file(text.file)).hint(
+            "add `[[mounting]]` with the machine coordinates at which both ball centres coincide",
+        ));
+    }
+    Ok(mountings)
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawLog {
+    time_column: Option<String>,
+    time_unit: Option<Spanned<String>>,
+    sample_rate_hz: Option<Spanned<f64>>,
+    reading_column: Option<String>,
+    reading_unit: Option<Spanned<String>>,
+    reading: Option<RawReading>,
+}
+
+#[derive(Deserialize, Clone, Copy, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+enum RawReading {
+    Deviation,
+    Length,
+}
+
+impl RawLog {
+    pub(super) fn check(self, nominal_mm: f64, text: &Text<'_>) -> Result<Format> {
+        let unknown_unit = |written: &Spanned<String>, names: &[&str]| {
+            Error::input(format!("unknown unit `{}`", written.get_ref()))
+                .at(text.place(written.span()))
+                .hint(format!("write one of `{}`", names.join("`, `")))
+        };
+        let defaults = Format::default();
+        let time_unit = match &self.time_unit {
+            None => TimeUnit::Second,
+            Some(unit) => TimeUnit::parse(unit.get_ref())
+                .ok_or_else(|| unknown_unit(unit, &TimeUnit::NAMES))?,
+        };
+        let unit = match &self.reading_unit {
+            None => LengthUnit::Micrometre,
+            Some(unit) => LengthUnit::parse(unit.get_ref())
+                .ok_or_else(|| unknown_unit(unit, &LengthUnit::NAMES))?,
+        };
+        // A log with a time column keeps it; a rate alone means that there is none.
+        let time = match (self.time_column, &self.sample_rate_hz) {
+            (Some(name), _) => TimeColumn::Named { name, unit: time_unit },
+            (None, Some(rate)) => TimeColumn::Rate { hz: text.positive(rate, "sample_rate_hz")? },
+            (None, None) => defaults.time,
+        };
+        let kind = match self.reading {
+            Some(RawReading::Length) => ReadingKind::Length { nominal_mm },
+            _ => ReadingKind::Deviation,
+        };
+        let name = self.reading_column.unwrap_or(defaults.reading.name);
+        Ok(Format { time, reading: ReadingColumn { name, unit, kind }, delimiter: None })
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawPlan {
+    strategy: Option<Spanned<String>>,
+    feed_mm_min: Spanned<f64>,
+    chord_sag_um: Option<Spanned<f64>>,
+    dwell_s: Option<Spanned<f64>>,
+    settle_s: Option<Spanned<f64>>,
+    feed_in_mm: Option<Spanned<f64>>,
+    both_directions: Option<bool>,
+    stop_between_arcs: Option<bool>,
+    program_number: Option<Spanned<u32>>,
+    #[serde(default)]
+    arc: Vec<Spanned<RawArc>>,
+}
+
+impl RawPlan {
+    pub(super) fn check(self, bar: &BallBar, text: &Text<'_>) -> Result<PathPlan> {
+        let within = |value: &Option<Spanned<f64>>, key: &str, default: f64, low: f64, high: f64| {
+            value.as_ref().map_or(Ok(default), |value| text.within(value, key, low, high))
+        };
+        let strategy = match &self.strategy {
+            None => None,
+            Some(name) => Some(Strategy::parse(name.get_ref()).ok_or_else(|| {
+                let names = Strategy::ALL.map(Strategy::name).join("`, `");
+                Error::input(format!("unknown strategy `{}`", name.get_ref()))
+                    .at(text.place(name.span()))
+                    .hint(format!("write one of `{names}`, or leave it out and give `[[plan.arc]]`"))
+            })?),
+        };
+        let free_arcs: Vec<Arc> = self
+            .arc
+            .iter()
+            .enumerate()
+            .map(|(index, arc)| arc.get_ref().check(index, text.place(arc.span())))
+            .collect::<Result<_>>()?;
+        if strategy.is_none() && free_arcs.is_empty() {
+            return Err(Error::input("the plan has neither a strategy nor arcs")
+                .at(text.place(self.feed_mm_min.span()))
+                .hint("add `strategy = \"3d6\"` or `[[plan.arc]]`"));
+        }
+        let feed_in_mm = within(&self.feed_in_mm, "feed_in_mm", bar.range_mm + 0.3, 0.0, 50.0)?;
+        if let Some(given) = self.feed_in_mm.as_ref().filter(|_| feed_in_mm <= bar.range_mm) {
+            return Err(Error::input(format!(
+                "a feed-in of {feed_in_mm} mm begins inside the bar's range of {} mm",
+                bar.range_mm
+            ))
+            .at(text.place(given.span()))
+            .hint("begin outside the range: the moment of engagement is what ties the log to the program"));
+        }
+        let program_number = self.program_number.as_ref().map_or(1001, |number| *number.get_ref());
+        if let Some(given) = self.program_number.filter(|n| !(1..=7999).contains(n.get_ref())) {
+            return Err(Error::input(format!("program number {program_number} cannot be used"))
+                .at(text.place(given.span()))
+                .hint("take one from 1 to 7999; 8000 and up belong to the machine tool builder"));
+        }
+        Ok(PathPlan {
+            strategy,
+            free_arcs,
+            feed_mm_s: text.within(&self.feed_mm_min, "feed_mm_min", 1.0, 60_000.0)? / 60.0,
+            chord_sag_mm: within(&self.chord_sag_um, "chord_sag_um", 0.4, 0.01, 100.0)? * 1e-3,
+            dwell_s: within(&self.dwell_s, "dwell_s", 3.0, 0.1, 600.0)?,
+            settle_s: within(&self.settle_s, "settle_s", 2.0, 0.1, 600.0)?,
+            feed_in_mm,
+            both_directions: self.both_directions.unwrap_or(true),
+            stop_between_arcs: self.stop_between_arcs.unwrap_or(false),
+            program_number,
+        })
+    }
+}
+
+#[derive(Deserialize, Clone, Copy, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+enum RawArcKind {
+    /// Constant polar angle; the equator unless `polar_deg` says otherwise.
+    Equator,
+    Parallel,
+    Meridian,
+    Circle,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawArc {
+    kind: RawArcKind,
+    name: Option<String>,
+    azimuth_deg: Option<f64>,
+    polar_deg: Option<f64>,
+    start_deg: Option<f64>,
+    sweep_deg: Option<f64>,
+    start: Option<[f64; 3]>,
+    normal: Option<[f64; 3]>,
+}
+
+impl RawArc {
+    /// Checks one free arc; `place` is its table in the file.
+    fn check(&self, index: usize, place: Place) -> Result<Arc> {
+        let wrong = |what: &str, hint: &str| {
+            Err(Error::input(format!("arc {}: {what}", index + 1)).at(place.clone()).hint(hint))
+        };
+        let allowed: &[&str] = match self.kind {
+            RawArcKind::Equator => &["azimuth_deg", "sweep_deg"],
+            RawArcKind::Parallel => &["azimuth_deg", "sweep_deg", "polar_deg"],
+            RawArcKind::Meridian => &["azimuth_deg", "sweep_deg", "start_deg"],
+            RawArcKind::Circle => &["start", "normal", "sweep_deg"],
+        };
+        let given = [
+            ("azimuth_deg", self.azimuth_deg.is_some()),
+            ("polar_deg", self.polar_deg.is_some()),
+            ("start_deg", self.start_deg.is_some()),
+            ("sweep_deg", self.sweep_deg.is_some()),
+            ("start", self.start.is_some()),
+            ("normal", self.normal.is_some()),
+        ];
+        if let Some((key, _)) = given.iter().find(|(key, is)| *is && !allowed.contains(key)) {
+            return wrong(
+                &format!("`{key}` does not belong to this kind of arc"),
+                &format!("its keys are `{}`", allowed.join("`, `")),
+            );
+        }
+        let whole_deg = if self.kind == RawArcKind::Meridian { 180.0 } else { 360.0 };
+        let sweep_deg = self.sweep_deg.unwrap_or(whole_deg);
+        let angles = [self.azimuth_deg, self.polar_deg, self.start_deg, Some(sweep_deg)];
+        if angles.iter().flatten().any(|angle| !(angle.abs() <= 360.0)) || sweep_deg.abs() < 0.1 {
+            return wrong("an angle is out of bounds", "angles go to 360, sweeps from 0.1 to 360 degrees");
+        }
+        let rad = |angle: Option<f64>, default_deg: f64| angle.unwrap_or(default_deg).to_radians();
+        let (azimuth_rad, sweep_rad) = (rad(self.azimuth_deg, 0.0), sweep_deg.to_radians());
+        let default_name = format!("ARC {}", index + 1);
+        let name = self.name.as_deref().unwrap_or(&default_name).to_uppercase();
+        let arc = match self.kind {
+            RawArcKind::Equator => Arc::equator(&name, azimuth_rad, sweep_rad),
+            RawArcKind::Parallel => {
+                Arc::parallel(&name, rad(self.polar_deg, 90.0), azimuth_rad, sweep_rad)
+            }
+            RawArcKind::Meridian => {
+                Arc::meridian(&name, azimuth_rad, rad(self.start_deg, 0.0), sweep_rad)
+            }
+            RawArcKind::Circle => {
+                let unit = |v: Option<[f64; 3]>| -> Option<UnitVector3<f64>> {
+                    Unit::try_new(Vector3::from(v?), 1e-6)
+                };
+                let (Some(start), Some(normal)) = (unit(self.start), unit(self.normal)) else {
+                    return wrong(
+                        "`start` and `normal` must be vectors that are not zero",
+                        "`start` points from the workpiece ball to the first point, `normal` is the axis that the arc turns about",
+                    );
+                };
+                Arc { name, start, normal, sweep_rad }
+            }
+        };
+        if arc.circle_radius_mm(1.0) < 0.02 {
+            return wrong("its circle shrinks to a point", "move its start away from the axis that it turns about");
+        }
+        if arc.sweep_rad.abs() > 2.0 * PI + 1e-9 {
+            return wrong("it sweeps more than one turn", "give at most 360 degrees");
+        }
+        Ok(arc)
+    }
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawEstimation {
+    terms: Option<Spanned<Vec<String>>>,
+    #[serde(default)]
+    loss: Loss,
+}
+
+impl RawEstimation {
+    pub(super) fn check(self, text: &Text<'_>) -> Result<Estimation> {
+        let terms = match self.terms {
+            None => vec!["observable35".to_owned()],
+            Some(written) => {
+                model::terms(written.get_ref(), &[String::new()])
+                    .map_err(|error| error.at(text.place(written.span())))?;
+                written.into_inner()
+            }
+        };
+        Ok(Estimation { terms, loss: self.loss })
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawRun {
+    program: Spanned<String>,
+    log: String,
+    name: Option<String>,
+    mounting: Option<Spanned<String>>,
+    feed_override_percent: Option<Spanned<f64>>,
+    repeat: Option<u32>,
+}
+
+impl RawRun {
+    pub(super) fn check(
+        self,
+        index: usize,
+        mountings: &[NamedMounting],
+        beside: &dyn Fn(&str) -> PathBuf,
+        text: &Text<'_>,
+    ) -> Result<Run> {
+        let mounting = match &self.mounting {
+            None => 0,
+            Some(name) => mountings
+                .iter()
+                .position(|mounting| mounting.name == *name.get_ref())
+                .ok_or_else(|| {
+                    let names: Vec<&str> = mountings.iter().map(|m| m.name.as_str()).collect();
+                    Error::input(format!("there is no mounting `{}`", name.get_ref()))
+                        .at(text.place(name.span()))
+                        .hint(format!("the mountings are `{}`", names.join("`, `")))
+                })?,
+        };
+        let percent = match &self.feed_override_percent {
+            None => 100.0,
+            Some(percent) => text.within(percent, "feed_override_percent", 1.0, 200.0)?,
+        };
+        let stem = |path: &str| {
+            let name = Path::new(path).file_name().map_or(String::new(), |n| n.to_string_lossy().into());
+            name.trim_end_matches(".gz").rsplit_once('.').map_or(name.clone(), |(stem, _)| stem.into())
+        };
+        Ok(Run {
+            name: self.name.unwrap_or_else(|| stem(&self.log)),
+            program: beside(self.program.get_ref()),
+            log: beside(&self.log),
+            mounting,
+            feed_override: percent / 100.0,
+            repeat: self.repeat.unwrap_or(index as u32 + 1),
+            line: text.place(self.program.span()).line,
+        })
+    }
+}

@@ -1,0 +1,233 @@
+//! The test file: what is tested, with what, where, and what was measured.
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use sha2::{Digest, Sha256};
+
+use super::log_format::Format;
+use super::raw::{RawTest, check_mountings};
+use super::{Arc, Strategy};
+use crate::error::{Error, Place, Result};
+use crate::machine::{Machine, Mounting};
+use crate::toml_text::{self, Text};
+
+/// The instrument.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BallBar {
+    /// Nominal length, mm.
+    pub length_mm: f64,
+    /// It reads up to this much either way and nothing beyond, mm.
+    pub range_mm: f64,
+    /// Smallest step of a reading, mm.
+    pub resolution_mm: f64,
+    /// Standard deviation of one reading, mm.
+    pub noise_mm: f64,
+    /// Samples a second.
+    pub sample_rate_hz: f64,
+    /// How far its clock may run fast or slow, as a share of 1.
+    pub clock_tolerance: f64,
+}
+
+/// A mounting and its name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedMounting {
+    /// The name.
+    pub name: String,
+    /// Where the balls are.
+    pub mounting: Mounting,
+    /// The work offset whose zero is the workpiece ball: 54 for G54.
+    pub work_offset: u8,
+}
+
+/// How the path is driven.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PathPlan {
+    pub(super) strategy: Option<Strategy>,
+    pub(super) free_arcs: Vec<Arc>,
+    /// Feed on the arcs, mm/s.
+    pub feed_mm_s: f64,
+    /// Largest sagitta of a chord, mm.
+    pub chord_sag_mm: f64,
+    /// Dwell between arcs, s.
+    pub dwell_s: f64,
+    /// Dwell before the feed-in and after the feed-out, s.
+    pub settle_s: f64,
+    /// Length of the radial feed-in and feed-out, mm; longer than the bar's range.
+    pub feed_in_mm: f64,
+    /// Drive every arc forward and backward.
+    pub both_directions: bool,
+    /// M00 instead of a dwell after every arc.
+    pub stop_between_arcs: bool,
+    /// Program number of the first mounting; the next mountings count on.
+    pub program_number: u32,
+}
+
+impl PathPlan {
+    /// The arcs in forward sense: those of the strategy, then the free ones.
+    pub fn arcs(&self) -> Vec<Arc> {
+        let mut arcs = self.strategy.map_or_else(Vec::new, Strategy::arcs);
+        arcs.extend_from_slice(&self.free_arcs);
+        arcs
+    }
+
+    /// What the strategy is called.
+    pub fn strategy_name(&self) -> &'static str {
+        self.strategy.map_or("free", Strategy::name)
+    }
+}
+
+/// What the identification does unless the command line says otherwise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimation {
+    /// Names of sets and of terms; see [`crate::model::terms`].
+    pub terms: Vec<String>,
+    /// How far-off samples are weighted.
+    pub loss: Loss,
+}
+
+/// How far-off samples are weighted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Loss {
+    /// All alike.
+    #[default]
+    Off,
+    /// Huber's.
+    Huber,
+    /// Tukey's biweight.
+    Tukey,
+}
+
+/// One measured run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// What it is called: the log's file name without its ending.
+    pub name: String,
+    /// The program that ran.
+    pub program: PathBuf,
+    /// The log.
+    pub log: PathBuf,
+    /// Index of the mounting.
+    pub mounting: usize,
+    /// Where the override knob stood, as a share of 1.
+    pub feed_override: f64,
+    /// Runs of the same repeat are identified together.
+    pub repeat: u32,
+    /// Line of the test file where the run begins.
+    pub line: usize,
+}
+
+/// A checked test file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Test {
+    name: String,
+    file: PathBuf,
+    hash: String,
+    machine: PathBuf,
+    ball_bar: BallBar,
+    log_format: Format,
+    mountings: Vec<NamedMounting>,
+    plan: Option<PathPlan>,
+    estimation: Estimation,
+    runs: Vec<Run>,
+}
+
+impl Test {
+    /// Reads and checks a test file.
+    pub fn read(file: &Path) -> Result<Self> {
+        Self::parse(&toml_text::read(file)?, file)
+    }
+
+    /// Checks the text of a test file; `file` is for messages and for paths relative to it.
+    pub fn parse(source: &str, file: &Path) -> Result<Self> {
+        let text = Text { source, file };
+        let raw: RawTest = text.parse()?;
+        let beside = |path: &str| file.parent().unwrap_or(Path::new("")).join(path);
+        let ball_bar = raw.ball_bar.check(&raw.log, &text)?;
+        let log_format = raw.log.check(ball_bar.length_mm, &text)?;
+        let mountings = check_mountings(&raw.mounting, &text)?;
+        let plan = raw.plan.map(|plan| plan.check(&ball_bar, &text)).transpose()?;
+        let mut runs = Vec::new();
+        for (index, run) in raw.run.into_iter().enumerate() {
+            runs.push(run.check(index, &mountings, &beside, &text)?);
+        }
+        Ok(Self {
+            name: raw.name,
+            file: file.to_path_buf(),
+            hash: Sha256::digest(source.as_bytes()).iter().map(|b| format!("{b:02x}")).collect(),
+            machine: beside(&raw.machine),
+            ball_bar,
+            log_format,
+            mountings,
+            plan,
+            estimation: raw.identify.check(&text)?,
+            runs,
+        })
+    }
+
+    /// The name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The file that it was read from.
+    pub fn file(&self) -> &Path {
+        &self.file
+    }
+
+    /// SHA-256 of the file's text, in hexadecimal.
+    pub fn hash(&self) -> &str {
+        &self.hash
+    }
+
+    /// Reads the machine file that the test names.
+    pub fn machine(&self) -> Result<Machine> {
+        Machine::read(&self.machine)
+    }
+
+    /// The instrument.
+    pub fn ball_bar(&self) -> &BallBar {
+        &self.ball_bar
+    }
+
+    /// How the logs are written.
+    pub fn log_format(&self) -> &Format {
+        &self.log_format
+    }
+
+    /// The mountings, at least one.
+    pub fn mountings(&self) -> &[NamedMounting] {
+        &self.mountings
+    }
+
+    /// How the path is driven.
+    ///
+    /// # Errors
+    /// When the test has no `[plan]`.
+    pub fn plan(&self) -> Result<&PathPlan> {
+        self.plan.as_ref().ok_or_else(|| {
+            Error::input("the test has no `[plan]`, so there is no program to write")
+                .at(Place::file(&self.file))
+                .hint("add `[plan]` with `strategy = \"3d6\"` and `feed_mm_min = 500.0`")
+        })
+    }
+
+    /// What the identification does.
+    pub fn estimation(&self) -> &Estimation {
+        &self.estimation
+    }
+
+    /// The measured runs.
+    ///
+    /// # Errors
+    /// When there are none.
+    pub fn runs(&self) -> Result<&[Run]> {
+        if self.runs.is_empty() {
+            return Err(Error::input("the test has no runs, so there is nothing to analyse")
+                .at(Place::file(&self.file))
+                .hint("add `[[run]]` with `program = \"O1005.nc\"` and `log = \"run1.csv\"`"));
+        }
+        Ok(&self.runs)
+    }
+}
