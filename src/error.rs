@@ -80,6 +80,9 @@ impl Place {
     }
 }
 
+/// A minified or binary line is cut here, so that a message stays a message.
+const LONGEST: usize = 160;
+
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "  --> {}", self.file.display())?;
@@ -93,8 +96,6 @@ impl fmt::Display for Place {
         if self.text.is_empty() {
             return Ok(());
         }
-        // A minified or binary line is cut, so that a message stays a message.
-        const LONGEST: usize = 160;
         let number = self.line.to_string();
         let gutter = " ".repeat(number.len());
         let shown: String =

@@ -1,6 +1,8 @@
 //! Ball-bar testing of three-axis machine tools.
 
+pub mod align;
 pub mod error;
+pub mod log;
 pub mod machine;
 pub mod model;
 pub mod motion;

@@ -14,4 +14,5 @@ mod profile;
 mod trajectory;
 
 pub use profile::Profile;
+pub(crate) use trajectory::length_mm;
 pub use trajectory::{Block, BlockKind, Duration, State, Trajectory};

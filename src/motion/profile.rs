@@ -42,6 +42,17 @@ impl Profile {
         self.accelerate_s + self.cruise_s + self.decelerate_s
     }
 
+    /// When a distance along the block is reached, s.
+    pub fn time_of_s(&self, distance_mm: f64) -> f64 {
+        // Distance grows with time: bisection is exact enough in 60 halvings.
+        let (mut low, mut high) = (0.0, self.duration_s());
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if self.at(middle).0 < distance_mm { low = middle } else { high = middle }
+        }
+        0.5 * (low + high)
+    }
+
     /// Distance (mm) and speed (mm/s) along the block after `t_s`.
     pub fn at(&self, t_s: f64) -> (f64, f64) {
         let (v0, vc, a) = (self.start_mm_s, self.cruise_mm_s, self.acceleration_mm_s2);

@@ -154,6 +154,24 @@ impl Trajectory {
         })
     }
 
+    /// Moments at which a slide turns round, in order, s: the first motion after a standstill in the
+    /// other sense, or the middle of an arc where the tangent leaves the slide's direction.
+    pub fn reversals_s(&self) -> Vec<f64> {
+        let mut times: Vec<f64> = Vec::new();
+        for block in &self.blocks {
+            let Some((motion, profile)) = &block.motion else { continue };
+            let begins = turned(block.sense, &place(motion, 0.0).1);
+            if begins != block.sense {
+                times.push(block.start_s);
+            }
+            for share in arc_extremes(motion) {
+                times.push(block.start_s + profile.time_of_s(share * length_mm(motion)));
+            }
+        }
+        times.sort_by(f64::total_cmp);
+        times
+    }
+
     /// Time by kind.
     pub fn duration(&self) -> Duration {
         let mut total = Duration::default();
@@ -173,6 +191,11 @@ impl Block {
     /// The move, if the block moves.
     pub fn motion(&self) -> Option<&Move> {
         self.motion.as_ref().map(|(motion, _)| motion)
+    }
+
+    /// Whether the machine stands still at its end.
+    pub fn ends_at_rest(&self) -> bool {
+        self.motion.as_ref().is_none_or(|(_, profile)| profile.at(f64::INFINITY).1 < 1e-9)
     }
 
     fn at(&self, time_s: f64, index: usize) -> State {
@@ -237,6 +260,24 @@ fn place(motion: &Move, share: f64) -> (Vector3<f64>, Vector3<f64>) {
             (position, tangent.try_normalize(0.0).unwrap_or_else(Vector3::zeros))
         }
     }
+}
+
+/// Shares of an arc at which its tangent is normal to an axis of its plane.
+fn arc_extremes(motion: &Move) -> Vec<f64> {
+    let Path::Arc { center_mm, axis, sweep_rad } = motion.path else { return Vec::new() };
+    let arm = motion.start_mm - center_mm;
+    let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
+    let start_rad = arm[b].atan2(arm[a]);
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let (first, last) = (start_rad / quarter, (start_rad + sweep_rad) / quarter);
+    let (low, high) = (first.min(last), first.max(last));
+    let mut shares: Vec<f64> = Vec::new();
+    let mut k = (low + 1e-9).ceil();
+    while k < high - 1e-9 {
+        shares.push((k * quarter - start_rad) / sweep_rad);
+        k += 1.0;
+    }
+    shares
 }
 
 struct Builder<'a> {

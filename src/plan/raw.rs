@@ -142,13 +142,17 @@ impl RawLog {
                 .hint(format!("write one of `{}`", names.join("`, `")))
         };
         let defaults = Format::default();
+        let time_suffix = |name: &str| name.rsplit('_').next().and_then(TimeUnit::parse);
         let time_unit = match &self.time_unit {
-            None => TimeUnit::Second,
+            None => self.time_column.as_deref().and_then(time_suffix).unwrap_or(TimeUnit::Second),
             Some(unit) => TimeUnit::parse(unit.get_ref())
                 .ok_or_else(|| unknown_unit(unit, &TimeUnit::NAMES))?,
         };
+        let name = self.reading_column.unwrap_or(defaults.reading.name);
+        // A column such as `length_mm` says its unit itself.
+        let suffix = name.rsplit('_').next().and_then(LengthUnit::parse);
         let unit = match &self.reading_unit {
-            None => LengthUnit::Micrometre,
+            None => suffix.unwrap_or(LengthUnit::Micrometre),
             Some(unit) => LengthUnit::parse(unit.get_ref())
                 .ok_or_else(|| unknown_unit(unit, &LengthUnit::NAMES))?,
         };
@@ -162,7 +166,6 @@ impl RawLog {
             Some(RawReading::Length) => ReadingKind::Length { nominal_mm },
             _ => ReadingKind::Deviation,
         };
-        let name = self.reading_column.unwrap_or(defaults.reading.name);
         Ok(Format { time, reading: ReadingColumn { name, unit, kind }, delimiter: None })
     }
 }

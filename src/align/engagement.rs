@@ -1,0 +1,236 @@
+//! Engagements: when the program brings the bar into its range, and when the log shows it.
+
+use std::fmt::Write as _;
+use std::ops::Range;
+
+use nalgebra::Vector3;
+
+use crate::error::{Error, Kind, Place, Result};
+use crate::log::Log;
+use crate::motion::{BlockKind, Trajectory};
+use crate::plan::BallBar;
+
+/// A stretch of program time during which the bar reads.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Engagement {
+    /// When the nominal length enters the range, s of program time.
+    pub start_s: f64,
+    /// When it leaves the range, s of program time.
+    pub end_s: f64,
+    /// Operator's pauses inside.
+    pub stops: usize,
+}
+
+impl Engagement {
+    /// How long it lasts without the operator's pauses, s.
+    pub fn duration_s(&self) -> f64 {
+        self.end_s - self.start_s
+    }
+}
+
+/// Length that the program commands minus the nominal length, mm.
+pub(super) fn commanded_deviation_mm(
+    position_mm: &Vector3<f64>,
+    coincidence_mm: &Vector3<f64>,
+    bar: &BallBar,
+) -> f64 {
+    (position_mm - coincidence_mm).norm() - bar.length_mm
+}
+
+/// The engagements that a program makes. Positioning through the sphere does not count: the bar is
+/// not fitted then, or reads for a moment only.
+pub(super) fn expected(
+    trajectory: &Trajectory,
+    coincidence_mm: &Vector3<f64>,
+    bar: &BallBar,
+) -> Vec<Engagement> {
+    let inside = |time_s: f64| {
+        let position = trajectory.at(time_s).position_mm;
+        commanded_deviation_mm(&position, coincidence_mm, bar).abs() < bar.range_mm
+    };
+    let crossing = |mut low: f64, mut high: f64| {
+        let begins = inside(low);
+        for _ in 0..50 {
+            let middle = 0.5 * (low + high);
+            if inside(middle) == begins { low = middle } else { high = middle }
+        }
+        0.5 * (low + high)
+    };
+    let mut engagements: Vec<Engagement> = Vec::new();
+    let mut open: Option<(f64, usize, bool)> = None;
+    let mut before = (0.0, false);
+    for block in trajectory.blocks() {
+        if block.kind == BlockKind::Stop {
+            if let Some((_, stops, _)) = &mut open {
+                *stops += 1;
+            }
+        }
+        // Fine enough that no passage through the range of a fast move is missed.
+        let travel_mm = block.motion().map_or(0.0, crate::motion::length_mm);
+        let pieces = (travel_mm / (0.5 * bar.range_mm)).ceil().clamp(1.0, 4096.0) as usize;
+        for piece in 1..=pieces {
+            let time_s = block.start_s + block.duration_s * (piece as f64 / pieces as f64);
+            // Just before the end: the next block begins at the end.
+            let now = inside(time_s - 1e-9);
+            match (&mut open, now) {
+                (None, true) => open = Some((crossing(before.0, time_s), 0, false)),
+                (Some((start_s, stops, feeds)), false) => {
+                    let end_s = crossing(before.0, time_s);
+                    if *feeds && block.kind == BlockKind::Feed {
+                        engagements.push(Engagement { start_s: *start_s, end_s, stops: *stops });
+                    }
+                    open = None;
+                }
+                _ => {}
+            }
+            if let Some((_, _, feeds)) = &mut open {
+                *feeds |= block.kind == BlockKind::Feed;
+            }
+            before = (time_s, now);
+        }
+    }
+    engagements
+}
+
+/// The stretches of a log in which the bar reads, as ranges of sample indices.
+///
+/// A gap between two readings that are both well inside the range is a dropout, not a release: at a
+/// release the last reading is on the ramp.
+pub(super) fn observed(log: &Log, bar: &BallBar) -> Vec<Range<usize>> {
+    let reading = |index: usize| log.readings()[index].deviation_mm.unwrap_or(0.0).abs();
+    let mut stretches: Vec<Range<usize>> = Vec::new();
+    for interval in log.in_range_intervals() {
+        match stretches.last_mut() {
+            Some(last)
+                if reading(last.end - 1) < 0.25 * bar.range_mm
+                    && reading(interval.start) < 0.25 * bar.range_mm =>
+            {
+                last.end = interval.end;
+            }
+            _ => stretches.push(interval),
+        }
+    }
+    stretches
+}
+
+/// How far a log's duration may be from the program's before it is another program's, as a share:
+/// clocks differ by 1e-4, a control's own deceleration at corners by some 1e-3.
+const DURATION_TOLERANCE: f64 = 0.02;
+
+/// Pairs every expected engagement with a stretch of the log, in order.
+///
+/// Short readings that no program makes, such as the operator's hand when he fits the bar, are passed
+/// over.
+pub(super) fn pair(
+    log: &Log,
+    expected: &[Engagement],
+    observed: &[Range<usize>],
+    feed_override: f64,
+) -> Result<Vec<Range<usize>>> {
+    let duration_s = |stretch: &Range<usize>| {
+        log.readings()[stretch.end - 1].time_s - log.readings()[stretch.start].time_s
+    };
+    let refuse = |reason: &str| Err(Refusal { log, expected, observed, feed_override }.error(reason));
+    let Some(shortest_s) = expected.iter().map(Engagement::duration_s).reduce(f64::min) else {
+        return Err(Error::new(Kind::Mismatch, "the program never brings the bar into its range")
+            .hint("check the mounting's `coincidence_mm` and the bar's `length_mm` in the test file"));
+    };
+    let long: Vec<Range<usize>> =
+        observed.iter().filter(|s| duration_s(s) > 0.3 * shortest_s).cloned().collect();
+    if long.len() < expected.len() {
+        return refuse(&format!(
+            "the program engages the bar {} time(s), the log shows {}",
+            expected.len(),
+            long.len()
+        ));
+    }
+    // The log may hold more than one program's worth; the run of stretches that fits best is taken.
+    let misfit = |window: &[Range<usize>]| -> f64 {
+        let off = |(stretch, e): (&Range<usize>, &Engagement)| {
+            // At most one sample period is lost at either end.
+            let slack_s = 2.0 * log.sample_period_s();
+            let longer = duration_s(stretch) - e.duration_s();
+            let longer = if longer < 0.0 { (longer + slack_s).min(0.0) } else { longer };
+            if e.stops > 0 { longer.min(0.0).abs() / e.duration_s() } else { longer.abs() / e.duration_s() }
+        };
+        window.iter().zip(expected).map(off).fold(0.0, f64::max)
+    };
+    let best = long
+        .windows(expected.len())
+        .min_by(|a, b| misfit(a).total_cmp(&misfit(b)))
+        .unwrap_or(&long);
+    if misfit(best) > DURATION_TOLERANCE {
+        return refuse("the bar reads for another time than the program takes");
+    }
+    Ok(best.to_vec())
+}
+
+/// Why a log does not belong to a program.
+#[derive(Debug)]
+pub struct Refusal<'a> {
+    log: &'a Log,
+    expected: &'a [Engagement],
+    observed: &'a [Range<usize>],
+    feed_override: f64,
+}
+
+impl Refusal<'_> {
+    /// The error: the reason, the durations side by side, and a picture in characters.
+    fn error(&self, reason: &str) -> Error {
+        let readings = self.log.readings();
+        let origin_s = readings.first().map_or(0.0, |first| first.time_s);
+        let span = |stretch: &Range<usize>| {
+            (readings[stretch.start].time_s - origin_s, readings[stretch.end - 1].time_s - origin_s)
+        };
+        let observed: Vec<(f64, f64)> = self.observed.iter().map(span).collect();
+        let first_s = self.expected.first().map_or(0.0, |e| e.start_s);
+        let shift_s = observed.first().map_or(0.0, |o| o.0) - first_s;
+        let expected: Vec<(f64, f64)> =
+            self.expected.iter().map(|e| (e.start_s + shift_s, e.end_s + shift_s)).collect();
+        let end_s = expected.iter().chain(&observed).map(|s| s.1).fold(self.log.span_s(), f64::max);
+        let list = |spans: &[(f64, f64)]| {
+            let mut text: Vec<String> =
+                spans.iter().take(12).map(|(a, b)| format!("{:.1}", b - a)).collect();
+            if spans.len() > 12 {
+                text.push("...".into());
+            }
+            text.join(", ")
+        };
+        let mut what = format!("the log does not belong to the program: {reason}");
+        let stops: usize = self.expected.iter().map(|e| e.stops).sum();
+        let plus = if stops > 0 { format!(" plus {stops} operator's pause(s)") } else { String::new() };
+        let _ = write!(
+            what,
+            "\n  program engages for (s): {}{plus}\n  log reads for (s):       {}\n  program |{}|\n  log     |{}| {:.0} s",
+            list(&expected),
+            list(&observed),
+            timeline(&expected, end_s),
+            timeline(&observed, end_s),
+            end_s
+        );
+        let error = Error::new(Kind::Mismatch, what).at(Place::file(self.log.file()));
+        let (program_s, log_s): (f64, f64) = (
+            self.expected.iter().map(Engagement::duration_s).sum(),
+            observed.iter().map(|(a, b)| b - a).sum(),
+        );
+        let percent = 100.0 * self.feed_override * program_s / log_s;
+        if self.expected.len() == observed.len() && stops == 0 && (30.0..=200.0).contains(&percent) {
+            error.hint(format!(
+                "take the program that ran; if the feed override stood at about {percent:.0} %, say `feed_override_percent = {percent:.0}` in the run"
+            ))
+        } else {
+            error.hint("take the log and the program of the same run")
+        }
+    }
+}
+
+/// 60 characters of time: `#` where the bar reads.
+fn timeline(spans: &[(f64, f64)], end_s: f64) -> String {
+    const WIDTH: usize = 60;
+    (0..WIDTH)
+        .map(|k| {
+            let (low, high) = (end_s * k as f64 / WIDTH as f64, end_s * (k + 1) as f64 / WIDTH as f64);
+            if spans.iter().any(|(a, b)| *a < high && *b > low) { '#' } else { '.' }
+        })
+        .collect()
+}

@@ -1,0 +1,24 @@
+//! Alignment: which sample was taken where.
+//!
+//! The instrument and the machine share no clock. Known are the program, the feed, the acceleration and
+//! what the log shows by itself: the moments of engagement and release, where the reading runs through
+//! the bar's range at the speed of the feed-in, and standstills. From these comes the time map
+//!
+//! `program time = (1 + rate) · log time - offset[leg]`,
+//!
+//! one offset a *leg*, the part of a program between two operator's pauses; the difference of two
+//! offsets is how long the operator let the machine stand. Inside a leg without a ramp the offset is
+//! known only to about a second here; the room `identify` refines it together with the coefficients.
+
+mod engagement;
+mod ramp;
+mod samples;
+mod section;
+mod stops;
+mod time_map;
+
+pub use engagement::{Engagement, Refusal};
+pub use ramp::Mark;
+pub use samples::{Alignment, Place, Sample, align};
+pub use section::{Circle, Section};
+pub use time_map::{Moment, TimeMap};

@@ -1,0 +1,133 @@
+//! Ramps: the reading runs through the range at a known speed, which makes it a clock.
+
+use std::ops::Range;
+
+use nalgebra::Vector3;
+
+use super::engagement::{Engagement, commanded_deviation_mm};
+use crate::log::Log;
+use crate::motion::Trajectory;
+use crate::plan::BallBar;
+
+/// A moment known on both clocks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mark {
+    /// On the instrument's clock, s.
+    pub log_s: f64,
+    /// In program time, s.
+    pub program_s: f64,
+    /// Standard deviation of their difference, s.
+    pub sigma_s: f64,
+    /// Whether it is an engagement (or a release).
+    pub engages: bool,
+    /// How many samples of the ramp made it; 0 where only the edge of the range is known.
+    pub samples: usize,
+}
+
+/// A real axis does not follow its command to better than this at the feed-in, s.
+const FOLLOWING_S: f64 = 1e-3;
+
+/// The mark of one end of an engagement.
+///
+/// A ramp reading `d` was taken when the commanded length was `d - c`, with `c` the deviation right
+/// after the engagement (or before the release), where the machine stands or is on its arc: the set-up
+/// error and the machine's errors there drop out.
+pub(super) fn mark(
+    log: &Log,
+    stretch: &Range<usize>,
+    trajectory: &Trajectory,
+    engagement: &Engagement,
+    coincidence_mm: &Vector3<f64>,
+    bar: &BallBar,
+    engages: bool,
+) -> Mark {
+    let period_s = log.sample_period_s();
+    let edge_program_s = if engages { engagement.start_s } else { engagement.end_s };
+    let deviation_mm = |time_s: f64| {
+        commanded_deviation_mm(&trajectory.at(time_s).position_mm, coincidence_mm, bar)
+    };
+    // Samples from the edge of the range inwards.
+    let inwards: Vec<usize> =
+        if engages { stretch.clone().collect() } else { stretch.clone().rev().collect() };
+    let foot_s = foot_of_ramp_s(edge_program_s, engages, &deviation_mm, bar);
+    let ramp_s = (foot_s - edge_program_s).abs();
+    let edge_log_s = inwards.first().map_or(0.0, |&first| log.readings()[first].time_s);
+    // A second of readings past the foot of the ramp gives the deviation there.
+    let settled: Vec<f64> = inwards
+        .iter()
+        .map(|&index| log.readings()[index])
+        .skip_while(|r| (r.time_s - edge_log_s).abs() < ramp_s + period_s)
+        .take_while(|r| (r.time_s - edge_log_s).abs() < ramp_s + period_s + 1.0)
+        .filter_map(|r| r.deviation_mm)
+        .collect();
+    let offset_mm = if settled.is_empty() {
+        0.0
+    } else {
+        settled.iter().sum::<f64>() / settled.len() as f64
+    };
+    let sign = if deviation_mm(edge_program_s) > 0.0 { 1.0 } else { -1.0 };
+    let mut sum = (0.0, 0.0, 0.0);
+    let mut samples = 0;
+    for &index in &inwards {
+        let reading = log.readings()[index];
+        let Some(value_mm) = reading.deviation_mm else { continue };
+        let level_mm = value_mm - offset_mm;
+        // Near its foot the ramp is slow and says little; samples past it say nothing.
+        if sign * level_mm < 0.05 * bar.range_mm || (reading.time_s - edge_log_s).abs() > ramp_s {
+            break;
+        }
+        let program_s = bisect(edge_program_s, foot_s, level_mm, &deviation_mm);
+        let speed_mm_s =
+            ((deviation_mm(program_s + 1e-4) - deviation_mm(program_s - 1e-4)) / 2e-4).abs();
+        let sigma_s = (bar.noise_mm.hypot(bar.resolution_mm) / speed_mm_s.max(1e-3)).hypot(FOLLOWING_S);
+        let weight = 1.0 / (sigma_s * sigma_s);
+        sum = (sum.0 + weight, sum.1 + weight * reading.time_s, sum.2 + weight * program_s);
+        samples += 1;
+    }
+    if samples > 0 {
+        // The following error is common to the samples of a ramp: no gain from their number there.
+        let sigma_s = (1.0 / sum.0).sqrt().max(FOLLOWING_S);
+        return Mark { log_s: sum.1 / sum.0, program_s: sum.2 / sum.0, sigma_s, engages, samples };
+    }
+    // No sample on the ramp: the edge lies within one period outside the first reading.
+    let half_s = if engages { -0.5 * period_s } else { 0.5 * period_s };
+    Mark {
+        log_s: edge_log_s + half_s,
+        program_s: 0.5 * (edge_program_s + foot_s),
+        sigma_s: (period_s + ramp_s) / 12.0_f64.sqrt(),
+        engages,
+        samples,
+    }
+}
+
+/// Where the ramp meets the sphere: the commanded deviation stops falling, or reaches zero.
+fn foot_of_ramp_s(
+    edge_s: f64,
+    engages: bool,
+    deviation_mm: &dyn Fn(f64) -> f64,
+    bar: &BallBar,
+) -> f64 {
+    let step_s = if engages { 1e-3 } else { -1e-3 };
+    let mut time_s = edge_s;
+    // A feed-in slower than 5 mm/min through the range would take longer than this.
+    for _ in 0..30_000 {
+        let next = deviation_mm(time_s + step_s).abs();
+        if next < 1e-4 * bar.range_mm || next >= deviation_mm(time_s).abs() {
+            break;
+        }
+        time_s += step_s;
+    }
+    time_s
+}
+
+/// The time between edge and foot at which the commanded deviation is `level_mm`.
+fn bisect(edge_s: f64, foot_s: f64, level_mm: f64, deviation_mm: &dyn Fn(f64) -> f64) -> f64 {
+    let (mut outer, mut inner) = (edge_s, foot_s);
+    // A reading beyond the range by the offset lies outside the edge: extend by one ramp.
+    outer -= 0.2 * (inner - outer);
+    for _ in 0..60 {
+        let middle = 0.5 * (outer + inner);
+        if deviation_mm(middle).abs() > level_mm.abs() { outer = middle } else { inner = middle }
+    }
+    0.5 * (outer + inner)
+}

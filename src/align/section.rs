@@ -1,0 +1,204 @@
+//! Sections: the arcs that a program drives on the sphere, recognised by their geometry.
+
+use nalgebra::Vector3;
+
+use super::engagement::commanded_deviation_mm;
+use crate::motion::{BlockKind, Trajectory};
+use crate::plan::BallBar;
+
+/// The circle that a section lies on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Circle {
+    /// Polar angle 90 degrees.
+    Equator,
+    /// Through the pole; azimuth from 0 to below 180 degrees.
+    Meridian {
+        /// Azimuth, degrees.
+        azimuth_deg: f64,
+    },
+    /// Any other.
+    Other {
+        /// Axis of the circle.
+        normal: Vector3<f64>,
+        /// Direction of angle 0, normal to the axis.
+        zero: Vector3<f64>,
+    },
+}
+
+impl Circle {
+    /// Angle of a direction on the circle, rad: the azimuth on the equator; on a meridian 0 on the
+    /// equator at its azimuth, pi/2 at the pole.
+    pub fn angle_rad(&self, direction: &Vector3<f64>) -> f64 {
+        let angle = match self {
+            Self::Equator => direction.y.atan2(direction.x),
+            Self::Meridian { azimuth_deg } => {
+                let (sin, cos) = azimuth_deg.to_radians().sin_cos();
+                direction.z.atan2(direction.x * cos + direction.y * sin)
+            }
+            Self::Other { normal, zero } => {
+                normal.cross(zero).dot(direction).atan2(zero.dot(direction))
+            }
+        };
+        angle.rem_euclid(std::f64::consts::TAU)
+    }
+
+    /// What the report calls it.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Equator => "Equator".into(),
+            Self::Meridian { azimuth_deg } => format!("Meridian {azimuth_deg:.0}\u{b0}"),
+            Self::Other { normal, .. } => {
+                format!("Circle about ({:.2}, {:.2}, {:.2})", normal.x, normal.y, normal.z)
+            }
+        }
+    }
+
+    /// Whether two sections lie on the same circle.
+    pub fn is_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Equator, Self::Equator) => true,
+            (Self::Meridian { azimuth_deg: a }, Self::Meridian { azimuth_deg: b }) => {
+                let apart = (a - b).abs() % 180.0;
+                apart.min(180.0 - apart) < 1.0
+            }
+            (Self::Other { normal: a, .. }, Self::Other { normal: b, .. }) => (a - b).norm() < 0.02,
+            _ => false,
+        }
+    }
+}
+
+/// One arc or transit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Section {
+    /// The comment in the program, or the circle's name where there is none.
+    pub name: String,
+    /// The circle.
+    pub circle: Circle,
+    /// Forward: CCW seen from the circle's axis; on a meridian from its azimuth over the pole.
+    pub forward: bool,
+    /// A way to the next arc rather than an arc.
+    pub transit: bool,
+    /// Beginning in program time, s.
+    pub start_s: f64,
+    /// End in program time, s.
+    pub end_s: f64,
+    /// Angle that it covers, rad.
+    pub sweep_rad: f64,
+    /// Feed, mm/s.
+    pub feed_mm_s: f64,
+}
+
+/// A section leaves the sphere by no more than this, mm: coarse chords do, feed-ins do not.
+const ON_SPHERE_MM: f64 = 0.1;
+
+/// The sections of a trajectory: stretches at feed on the sphere, from standstill to standstill.
+pub(super) fn sections(
+    trajectory: &Trajectory,
+    coincidence_mm: &Vector3<f64>,
+    bar: &BallBar,
+) -> Vec<Section> {
+    let on_sphere = |point: &Vector3<f64>| {
+        commanded_deviation_mm(point, coincidence_mm, bar).abs() < ON_SPHERE_MM
+    };
+    let mut sections: Vec<Section> = Vec::new();
+    let mut first: Option<usize> = None;
+    for (index, block) in trajectory.blocks().iter().enumerate() {
+        let inside = block.kind == BlockKind::Feed
+            && block.motion().is_some_and(|m| on_sphere(&m.start_mm) && on_sphere(&m.end_mm));
+        if inside {
+            first.get_or_insert(index);
+        }
+        if let Some(begin) = first
+            && (!inside || block.ends_at_rest())
+        {
+            let end = if inside { index + 1 } else { index };
+            sections.extend(section(trajectory, begin, end, coincidence_mm));
+            first = None;
+        }
+    }
+    if let Some(begin) = first {
+        sections.extend(section(trajectory, begin, trajectory.blocks().len(), coincidence_mm));
+    }
+    // A way to the next arc is short and is not driven back.
+    let driven_back = |section: &Section| {
+        sections.iter().any(|other| {
+            other.circle.is_same(&section.circle)
+                && other.forward != section.forward
+                && (other.sweep_rad - section.sweep_rad).abs() < 0.1
+        })
+    };
+    let transits: Vec<bool> =
+        sections.iter().map(|s| s.sweep_rad < 1.6 && !driven_back(s)).collect();
+    // A plan of short one-way arcs has no transits among them that could be told.
+    if transits.iter().any(|transit| !transit) {
+        for (section, transit) in sections.iter_mut().zip(transits) {
+            section.transit = transit;
+        }
+    }
+    sections
+}
+
+/// The section of blocks `begin..end`; `None` where it is too short to have a plane.
+fn section(
+    trajectory: &Trajectory,
+    begin: usize,
+    end: usize,
+    coincidence_mm: &Vector3<f64>,
+) -> Option<Section> {
+    let blocks = &trajectory.blocks()[begin..end];
+    let start_s = blocks.first()?.start_s;
+    let end_s = blocks.last().map(|last| last.start_s + last.duration_s)?;
+    // A few dozen points: enough for the plane, few enough that rounding does not show.
+    const POINTS: usize = 48;
+    let points: Vec<Vector3<f64>> = (0..=POINTS)
+        .map(|k| {
+            let share = 1e-9 + (1.0 - 2e-9) * k as f64 / POINTS as f64;
+            trajectory.at(start_s + (end_s - start_s) * share).position_mm - coincidence_mm
+        })
+        .collect();
+    let mut curl = Vector3::zeros();
+    for three in points.windows(3) {
+        curl += (three[1] - three[0]).cross(&(three[2] - three[1]));
+    }
+    let normal = curl.try_normalize(1e-6)?;
+    let (first, last) = (points.first()?, points.last()?);
+    let height_mm = first.dot(&normal);
+    let radius = |point: &Vector3<f64>| point - normal * point.dot(&normal);
+    let swept: f64 = points
+        .windows(2)
+        .map(|two| {
+            let (a, b) = (radius(&two[0]), radius(&two[1]));
+            normal.dot(&a.cross(&b)).atan2(a.dot(&b))
+        })
+        .sum();
+    let great = height_mm.abs() < 0.01 * first.norm();
+    let (circle, forward) = if great && normal.z.abs() > 0.9998 {
+        (Circle::Equator, normal.z > 0.0)
+    } else if great && normal.z.abs() < 0.02 {
+        // Its lower end, seen from above, gives the azimuth; that below 180 degrees is the name.
+        let plane_deg = (-normal.x).atan2(normal.y).to_degrees();
+        let azimuth_deg = plane_deg.rem_euclid(180.0);
+        let azimuth_deg = if azimuth_deg > 179.9 { 0.0 } else { (azimuth_deg * 10.0).round() / 10.0 };
+        let (sin, cos) = azimuth_deg.to_radians().sin_cos();
+        // Forward turns the azimuth's direction towards the pole.
+        (Circle::Meridian { azimuth_deg }, Vector3::new(sin, -cos, 0.0).dot(&normal) > 0.0)
+    } else {
+        let upwards = normal.z > 1e-6 || (normal.z.abs() <= 1e-6 && normal.x + 0.5 * normal.y > 0.0);
+        let axis = if upwards { normal } else { -normal };
+        let from = if upwards { first } else { last };
+        let zero = radius(from).try_normalize(1e-9)?;
+        (Circle::Other { normal: axis, zero }, upwards)
+    };
+    let label = trajectory.label(&blocks[0]);
+    let longest = blocks.iter().filter_map(|b| b.motion()).map(|m| m.feed_mm_s).fold(0.0, f64::max);
+    Some(Section {
+        name: if label.is_empty() { circle.name() } else { label.to_owned() },
+        circle,
+        forward,
+        transit: false,
+        start_s,
+        end_s,
+        sweep_rad: swept.abs(),
+        feed_mm_s: longest,
+    })
+}

@@ -1,0 +1,398 @@
+//! From the content of a file to a [`Log`], or to the line that is wrong.
+
+use std::borrow::Cow;
+use std::io::{ErrorKind, Read};
+use std::ops::Range;
+use std::path::Path;
+
+use super::text::{Line, Numbers, quote, split};
+use super::{Delimiter, Format, Log, Reading, ReadingColumn, ReadingKind, TimeColumn, TimeUnit};
+use crate::error::{Error, Place, Result};
+
+/// No telescoping ball-bar reaches further than a few mm; beyond this the unit is wrong.
+const LARGEST_DEVIATION_MM: f64 = 10.0;
+/// Rates outside are slips of the pen, and inside `k / hz` is finite and increases for any `k`.
+const RATES_HZ: std::ops::RangeInclusive<f64> = 1e-3..=1e6;
+/// So many columns are listed in a message.
+const LISTED: usize = 20;
+
+const CHOOSE_COLUMNS: &str = "choose the columns in the test file: `time_column` with \
+    `time_unit`, or `sample_rate_hz` where the log has no time; `reading_column` with \
+    `reading_unit` and `reading` = \"deviation\" or \"length\"";
+const PLAIN_READING: &str = "a reading is a plain number; where the bar is out of range, leave \
+    the field empty";
+const PLAIN_TIME: &str = "a time is a plain number; where the times are of no use but the rate is \
+    constant, give `sample_rate_hz` instead of `time_column` in the test file";
+const LATER: &str = "times must increase from line to line: were two captures joined, or are the \
+    times too coarse? at a constant rate, `sample_rate_hz` instead of `time_column` in the test \
+    file does without them";
+const EXPORT: &str = "a log is text in UTF-8, plain or gzipped: export it as CSV (UTF-8)";
+
+/// Reads a log.
+pub fn read(file: &Path, format: &Format) -> Result<Log> {
+    let bytes = std::fs::read(file).map_err(|e| {
+        let error = Error::input(format!("cannot read the log: {e}")).at(Place::file(file));
+        match e.kind() {
+            ErrorKind::NotFound => error.hint("check the path of the log"),
+            ErrorKind::IsADirectory => error.hint("name a log, not the directory it is in"),
+            _ => error,
+        }
+    })?;
+    read_bytes(&bytes, file, format)
+}
+
+/// Reads a log from the content of a file; `file` is only named in messages and in the log.
+pub fn read_bytes(bytes: &[u8], file: &Path, format: &Format) -> Result<Log> {
+    check_format(format)?;
+    let bytes = inflate(bytes, file)?;
+    let text = as_text(&bytes, file)?;
+    let mut lines = (1..)
+        .zip(text.lines())
+        .map(|(number, text)| Line { number, text });
+
+    let header = lines
+        .find(|line| !line.is_comment() && !line.is_blank())
+        .ok_or_else(|| {
+            Error::input("the log is empty")
+                .at(Place::file(file))
+                .hint("was the capture saved?")
+        })?;
+    let table = Table::new(file, header, format)?;
+    let readings = table.rows(lines)?;
+
+    let unusable =
+        |what: String, hint: String| Err(Error::input(what).at(Place::file(file)).hint(hint));
+    if readings.len() < 2 {
+        return unusable(
+            match readings.len() {
+                0 => "the log has a header but no samples".to_owned(),
+                _ => "the log is too short: it has one sample".to_owned(),
+            },
+            "a log needs two samples or more: was the capture started, and saved whole?".to_owned(),
+        );
+    }
+    if readings.iter().all(|r| r.deviation_mm.is_none()) {
+        return unusable(
+            format!("the bar is out of range in all {} samples", readings.len()),
+            format!(
+                "was the bar engaged? if the readings are in another column than `{}`, name it in \
+                 the test file: `reading_column`",
+                format.reading.name
+            ),
+        );
+    }
+    Ok(Log::new(file, readings))
+}
+
+/// The part of a format that no file can repair.
+fn check_format(format: &Format) -> Result<()> {
+    match &format.time {
+        TimeColumn::Rate { hz } if !RATES_HZ.contains(hz) => {
+            return Err(Error::input(format!("a log cannot have a rate of {hz} Hz"))
+                .hint("`sample_rate_hz` is the number of samples in a second"));
+        }
+        TimeColumn::Named { name, .. } if same_name(name, &format.reading.name) => {
+            return Err(Error::input(format!(
+                "column `{}` cannot be both the time and the reading",
+                name.trim()
+            ))
+            .hint(CHOOSE_COLUMNS));
+        }
+        _ => {}
+    }
+    match format.reading.kind {
+        ReadingKind::Length { nominal_mm } if !(nominal_mm.is_finite() && nominal_mm > 0.0) => Err(
+            Error::input(format!("a bar cannot be {nominal_mm} mm long"))
+                .hint("readings of kind \"length\" need the nominal length of the bar"),
+        ),
+        _ => Ok(()),
+    }
+}
+
+/// Unpacks gzip, which is known by its first two bytes: instruments and mail programs rename files.
+fn inflate<'a>(bytes: &'a [u8], file: &Path) -> Result<Cow<'a, [u8]>> {
+    if !bytes.starts_with(&[0x1f, 0x8b]) {
+        return Ok(Cow::Borrowed(bytes));
+    }
+    let mut plain = Vec::new();
+    // Several members in one file are legal, and what appending to a compressed log gives.
+    match flate2::read::MultiGzDecoder::new(bytes).read_to_end(&mut plain) {
+        Ok(_) => Ok(Cow::Owned(plain)),
+        Err(e) => {
+            let what = match e.kind() {
+                ErrorKind::UnexpectedEof => "the gzipped log is truncated".to_owned(),
+                _ => format!("the gzipped log is corrupt: {e}"),
+            };
+            Err(Error::input(what)
+                .at(Place::file(file))
+                .hint("copy it again from the instrument; `gzip -t` tells whether it is whole"))
+        }
+    }
+}
+
+fn as_text<'a>(bytes: &'a [u8], file: &Path) -> Result<&'a str> {
+    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+    let (wrong, what) = match std::str::from_utf8(bytes) {
+        Ok(text) => match text.find('\0') {
+            None => return Ok(text),
+            Some(at) => (at, "the log is not text: it holds a NUL byte".to_owned()),
+        },
+        Err(e) => {
+            let at = e.valid_up_to();
+            (
+                at,
+                format!("the log is not UTF-8: byte 0x{:02X}", bytes[at]),
+            )
+        }
+    };
+    let number = bytes[..wrong].split(|&b| b == b'\n').count();
+    let start = bytes[..wrong]
+        .iter()
+        .rposition(|&b| b == b'\n')
+        .map_or(0, |i| i + 1);
+    let rest = &bytes[start..];
+    let end = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
+    let column = String::from_utf8_lossy(&rest[..wrong - start])
+        .chars()
+        .count()
+        + 1;
+    let shown = String::from_utf8_lossy(&rest[..end]);
+    Err(Error::input(what)
+        .at(Place::span(file, number, column, 1, &shown))
+        .hint(EXPORT))
+}
+
+/// Where the time of a row comes from.
+enum Clock {
+    Column { index: usize, unit: TimeUnit },
+    Rate { hz: f64 },
+}
+
+/// A log whose header is understood.
+struct Table<'a> {
+    file: &'a Path,
+    delimiter: Delimiter,
+    /// Fields of the header, and so of every row.
+    width: usize,
+    clock: Clock,
+    reading: usize,
+    column: &'a ReadingColumn,
+}
+
+impl<'a> Table<'a> {
+    fn new(file: &'a Path, header: Line<'a>, format: &'a Format) -> Result<Self> {
+        if let Some(delimiter) = format.delimiter {
+            return Self::with_delimiter(file, header, format, delimiter);
+        }
+        let attempts = Delimiter::ALL.map(|d| Self::with_delimiter(file, header, format, d));
+        if let Some(table) = attempts.into_iter().find_map(Result::ok) {
+            return Ok(table);
+        }
+        // The message should list the columns as the user sees them, not one long name.
+        let mut fields = Vec::new();
+        let likely = Delimiter::ALL.into_iter().max_by_key(|&d| {
+            split(header.text, d, &mut fields);
+            fields.len()
+        });
+        Self::with_delimiter(file, header, format, likely.unwrap_or(Delimiter::Comma))
+    }
+
+    fn with_delimiter(
+        file: &'a Path,
+        header: Line<'a>,
+        format: &'a Format,
+        delimiter: Delimiter,
+    ) -> Result<Self> {
+        let mut fields = Vec::new();
+        split(header.text, delimiter, &mut fields);
+        let find = |name: &str| find_column(file, header, &fields, name);
+        Ok(Self {
+            file,
+            delimiter,
+            width: fields.len(),
+            clock: match &format.time {
+                TimeColumn::Named { name, unit } => Clock::Column {
+                    index: find(name)?,
+                    unit: *unit,
+                },
+                TimeColumn::Rate { hz } => Clock::Rate { hz: *hz },
+            },
+            reading: find(&format.reading.name)?,
+            column: &format.reading,
+        })
+    }
+
+    fn rows(&self, lines: impl Iterator<Item = Line<'a>>) -> Result<Vec<Reading>> {
+        let mut readings: Vec<Reading> = Vec::new();
+        let mut numbers = Numbers::new(self.delimiter);
+        let mut fields = Vec::new();
+        let mut earlier = "";
+        for line in lines {
+            if line.is_comment() || (line.is_blank() && !self.blank_is_row(line)) {
+                continue;
+            }
+            split(line.text, self.delimiter, &mut fields);
+            if fields.len() != self.width {
+                return Err(self.wrong_width(line, &fields));
+            }
+            let time_s = match self.clock {
+                Clock::Rate { hz } => readings.len() as f64 / hz,
+                Clock::Column { index, unit } => {
+                    let field = &fields[index];
+                    let written = &line.text[field.clone()];
+                    let fail = |what| line.error(self.file, field, what);
+                    if written.is_empty() {
+                        return Err(fail("the time is missing".to_owned()).hint(PLAIN_TIME));
+                    }
+                    let time_s = numbers
+                        .parse(written, |value| unit.to_s(value))
+                        .map_err(|fault| fail(fault.what).hint(fault.hint.unwrap_or(PLAIN_TIME)))?;
+                    if let Some(last) = readings.last().filter(|last| time_s <= last.time_s) {
+                        let verb = if time_s < last.time_s {
+                            "goes back behind"
+                        } else {
+                            "repeats"
+                        };
+                        let unit = unit.name();
+                        return Err(fail(format!(
+                            "time {written} {unit} {verb} {earlier} {unit} of line {}",
+                            last.line
+                        ))
+                        .hint(LATER));
+                    }
+                    earlier = written;
+                    time_s
+                }
+            };
+            let deviation_mm = self.deviation_mm(line, &fields[self.reading], &mut numbers)?;
+            readings.push(Reading {
+                time_s,
+                deviation_mm,
+                line: line.number,
+            });
+        }
+        Ok(readings)
+    }
+
+    fn deviation_mm(
+        &self,
+        line: Line,
+        field: &Range<usize>,
+        numbers: &mut Numbers,
+    ) -> Result<Option<f64>> {
+        let written = &line.text[field.clone()];
+        if written.is_empty() {
+            return Ok(None);
+        }
+        let fail = |what| line.error(self.file, field, what);
+        let ReadingColumn { unit, kind, .. } = self.column;
+        let value_mm = numbers
+            .parse(written, |value| unit.to_mm(value))
+            .map_err(|fault| fail(fault.what).hint(fault.hint.unwrap_or(PLAIN_READING)))?;
+        let (deviation_mm, kind) = match *kind {
+            ReadingKind::Deviation => (value_mm, "\"deviation\"".to_owned()),
+            ReadingKind::Length { nominal_mm } => (
+                value_mm - nominal_mm,
+                format!("\"length\" (nominal {nominal_mm} mm)"),
+            ),
+        };
+        if deviation_mm.abs() <= LARGEST_DEVIATION_MM {
+            return Ok(Some(deviation_mm));
+        }
+        let unit = unit.name();
+        Err(fail(format!(
+            "reading {written} {unit} is a deviation of {} mm, which no ball-bar reaches",
+            short(deviation_mm)
+        ))
+        .hint(format!(
+            "the unit or the kind is probably wrong: `reading_unit` is \"{unit}\" and `reading` \
+             is {kind}"
+        )))
+    }
+
+    /// Whether a line with nothing to see on it is a sample out of range.
+    fn blank_is_row(&self, line: Line) -> bool {
+        self.width == 1 || (self.delimiter == Delimiter::Tab && line.text.contains('\t'))
+    }
+
+    fn wrong_width(&self, line: Line, fields: &[Range<usize>]) -> Error {
+        let (found, wanted) = (fields.len(), self.width);
+        let plural = if found == 1 { "" } else { "s" };
+        let what = format!("{found} field{plural} where the header has {wanted}");
+        if found < wanted {
+            let end = line.text.len();
+            return line.error(self.file, &(end..end), what).hint(
+                "was the log cut off here? a sample out of range keeps its delimiter: only its \
+                 reading is empty",
+            );
+        }
+        let error = line.error(self.file, &(fields[wanted].start..line.text.len()), what);
+        match self.delimiter {
+            Delimiter::Comma => error.hint(
+                "every row must have the fields of the header; a decimal comma is read only where \
+                 semicolons or tabs separate the fields",
+            ),
+            _ => error.hint("every row must have the fields of the header"),
+        }
+    }
+}
+
+fn same_name(a: &str, b: &str) -> bool {
+    a.trim().to_lowercase() == b.trim().to_lowercase()
+}
+
+/// Index of the column of a name: as it is written if there is one, else whatever its case.
+fn find_column(file: &Path, header: Line, fields: &[Range<usize>], wanted: &str) -> Result<usize> {
+    let name = |i: usize| header.text[fields[i].clone()].trim();
+    let indices = |matches: &dyn Fn(&str) -> bool| -> Vec<usize> {
+        (0..fields.len()).filter(|&i| matches(name(i))).collect()
+    };
+    let mut found = indices(&|name| name == wanted.trim());
+    if found.is_empty() {
+        found = indices(&|name| same_name(name, wanted));
+    }
+    match found.as_slice() {
+        [one] => Ok(*one),
+        [] if (0..fields.len()).all(|i| name(i).is_empty() || name(i).parse::<f64>().is_ok()) => {
+            Err(
+                Error::input("the log has no header: its first line holds numbers")
+                    .at(Place::line(file, header.number, header.text))
+                    .hint(
+                        "write the names of the columns above them, in a line that does not begin \
+                     with `#`",
+                    ),
+            )
+        }
+        [] => {
+            let names = (0..fields.len()).map(name).filter(|name| !name.is_empty());
+            let mut listed: Vec<String> = names.clone().take(LISTED).map(quote).collect();
+            match names.count() {
+                all if all > LISTED => listed.push(format!("and {} more", all - LISTED)),
+                _ => {}
+            }
+            Err(Error::input(format!(
+                "the log has no column `{}`; it has {}",
+                wanted.trim(),
+                listed.join(", ")
+            ))
+            .at(Place::line(file, header.number, header.text))
+            .hint(CHOOSE_COLUMNS))
+        }
+        [.., again] => Err(header
+            .error(
+                file,
+                &fields[*again],
+                format!("the log has {} columns `{}`", found.len(), wanted.trim()),
+            )
+            .hint("rename all but one, or choose another column in the test file")),
+    }
+}
+
+/// A length for a message: micrometres matter in it only when it is small.
+fn short(mm: f64) -> String {
+    if mm.abs() < 1e6 {
+        format!("{mm:.3}")
+    } else {
+        format!("{mm:.3e}")
+    }
+}
