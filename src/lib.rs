@@ -2,12 +2,14 @@
 
 pub mod align;
 pub mod error;
+pub mod identify;
 pub mod log;
 pub mod machine;
 pub mod model;
 pub mod motion;
 pub mod nc;
 pub mod plan;
+pub mod solve;
 mod toml_text;
 
 pub use error::{Error, Result};

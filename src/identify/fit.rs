@@ -1,0 +1,511 @@
+//! The joint fit of coefficients and time maps.
+
+use super::residuals::{self, Record};
+use super::{timing, words};
+use crate::align::{Alignment, Place};
+use crate::error::{Error, Kind, Result};
+use crate::model::{Model, Parameter};
+use crate::plan::Loss;
+use crate::solve::{
+    self, Autocovariances, BackwardFilter, Matrix, NoiseModel, NullDirection, Solution, Triangle,
+    Truncation, Tsqr,
+};
+
+/// A direction is observed when a combination of errors of this size each (rms over the measured
+/// sphere, um) would show by more than [`SEEN_SIGMAS`] standard deviations of the noise.
+pub const SEEN_UM: f64 = 25.0;
+/// See [`SEEN_UM`].
+const SEEN_SIGMAS: f64 = 3.0;
+
+/// Most Gauss-Newton steps; four are usual.
+const MOST_STEPS: usize = 25;
+/// A step that changes the predicted readings by less than this share of the noise is the last.
+const NEGLIGIBLE: f64 = 1e-4;
+/// During the first steps the samples that take part are chosen anew.
+const CHOOSING_STEPS: usize = 3;
+/// Highest order of the noise model.
+const NOISE_ORDER: usize = 8;
+
+/// How to identify.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Nominal length of the bar, mm.
+    pub nominal_mm: f64,
+    /// Standard deviation of a reading before anything is known, mm.
+    pub noise_mm: f64,
+    /// How far the instrument's clock may be off, as a share of 1.
+    pub clock_tolerance: f64,
+    /// Weights of far-off samples.
+    pub loss: Loss,
+    /// Of all solutions of a rank-deficient problem take the shortest, instead of refusing.
+    pub minimum_norm: bool,
+}
+
+/// One run that takes part.
+#[derive(Debug)]
+pub struct RunInput {
+    /// Its name.
+    pub name: String,
+    /// Index of its mounting in the model.
+    pub mounting: usize,
+    /// The aligned log.
+    pub alignment: Alignment,
+}
+
+/// One estimated parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// Name and unit.
+    pub parameter: Parameter,
+    /// The value, in its unit.
+    pub value: f64,
+    /// Standard deviation, in its unit.
+    pub sigma: f64,
+    /// How much of it the data determine: 1 all, 0 nothing, between: only together with others.
+    pub observed: f64,
+}
+
+/// What came out.
+#[derive(Debug)]
+pub struct Identification {
+    /// The parameters of the model, in its order.
+    pub estimates: Vec<Estimate>,
+    /// Correlation of the estimates.
+    pub correlation: Matrix,
+    /// Rank over the coefficients, by the noise.
+    pub rank: usize,
+    /// Singular values of the scaled columns, descending, without those of the time map.
+    pub singular_values: Vec<f64>,
+    /// Singular values below this are not observed.
+    pub floor: f64,
+    /// Condition number of the scaled columns over the observed directions.
+    pub condition: f64,
+    /// What is confounded, by index of parameter.
+    pub null_directions: Vec<NullDirection>,
+    /// The noise.
+    pub noise: NoiseModel,
+    /// The runs, their time maps refined.
+    pub runs: Vec<RunInput>,
+    /// One record for each sample of each run, in order.
+    pub records: Vec<Vec<Record>>,
+    /// Root mean square of the residuals of the samples that were used, mm.
+    pub rms_mm: f64,
+    /// Samples that were used.
+    pub used: usize,
+    /// Gauss-Newton steps.
+    pub steps: usize,
+}
+
+impl Identification {
+    /// The estimated values in the order of the model.
+    pub fn values(&self) -> Vec<f64> {
+        self.estimates.iter().map(|estimate| estimate.value).collect()
+    }
+
+    /// The estimate of a name.
+    pub fn estimate(&self, name: &str) -> Option<&Estimate> {
+        self.estimates.iter().find(|estimate| estimate.parameter.name == name)
+    }
+}
+
+/// Where the parameters of the time maps stand among the columns.
+pub(super) struct Columns {
+    coefficients: usize,
+    /// For each run: its first column, and the legs that have one.
+    runs: Vec<(usize, Vec<usize>)>,
+    pub(super) total: usize,
+}
+
+impl Columns {
+    fn new(coefficients: usize, runs: &[RunInput]) -> Self {
+        let mut total = coefficients;
+        let runs = runs
+            .iter()
+            .map(|run| {
+                let legs = run.alignment.legs();
+                let first = total;
+                total += legs.len() + 1;
+                (first, legs)
+            })
+            .collect();
+        Self { coefficients, runs, total }
+    }
+
+    /// Column of the offset of a leg; `None` where the leg has no samples.
+    fn offset(&self, run: usize, leg: usize) -> Option<usize> {
+        let (first, legs) = &self.runs[run];
+        legs.iter().position(|l| *l == leg).map(|k| first + k)
+    }
+
+    /// Column of the clock rate.
+    fn rate(&self, run: usize) -> usize {
+        self.runs[run].0 + self.runs[run].1.len()
+    }
+}
+
+/// Identifies the parameters of a model from runs of one machine in one state.
+///
+/// # Errors
+/// When the selection is rank-deficient and `minimum_norm` is off, with the combinations that cannot
+/// be told apart; when there are fewer samples than parameters; when the fit does not converge or does
+/// not explain the log at all, which is the sign of a log of another program.
+pub fn identify(model: &Model, runs: Vec<RunInput>, options: &Options) -> Result<Identification> {
+    let columns = Columns::new(model.parameters().len(), &runs);
+    let mut fit = Fit {
+        model,
+        options,
+        columns,
+        runs,
+        values: vec![0.0; model.parameters().len()],
+        sigma_mm: options.noise_mm,
+        taking_part: Vec::new(),
+        weights: None,
+    };
+    fit.check_enough()?;
+    let mut steps = 0;
+    if fit.coarse_legs() {
+        // With offsets known to a second, the facets of the chorded path only mislead: fit the smooth
+        // part first, then find the facets, then fit all.
+        steps += fit.iterate(timing::Detail::Smooth)?.steps;
+        fit.find_facets();
+    }
+    let mut outcome = fit.iterate(timing::Detail::Full)?;
+    if options.loss != Loss::Off {
+        for _ in 0..10 {
+            fit.reweigh();
+            outcome = fit.iterate(timing::Detail::Full)?;
+            steps += outcome.steps;
+            if outcome.steps <= 1 {
+                break;
+            }
+        }
+    }
+    steps += outcome.steps;
+    fit.finish(&outcome, steps)
+}
+
+/// The end of one round of Gauss-Newton.
+struct Outcome {
+    solution: Solution,
+    floor: f64,
+    steps: usize,
+}
+
+struct Fit<'a> {
+    model: &'a Model<'a>,
+    options: &'a Options,
+    columns: Columns,
+    runs: Vec<RunInput>,
+    values: Vec<f64>,
+    sigma_mm: f64,
+    /// Which samples the fit uses, one flag for each sample of each run.
+    taking_part: Vec<Vec<bool>>,
+    /// Robust weights, one for each sample of each run; `None` for all 1.
+    weights: Option<Vec<Vec<f64>>>,
+}
+
+impl Fit<'_> {
+    fn check_enough(&self) -> Result<()> {
+        let samples: usize = self
+            .runs
+            .iter()
+            .flat_map(|run| &run.alignment.samples)
+            .filter(|s| matches!(s.place, Place::Arc(_)))
+            .count();
+        if samples > 2 * self.columns.total {
+            return Ok(());
+        }
+        Err(Error::new(
+            Kind::Undetermined,
+            format!("{samples} samples on arcs cannot determine {} parameters", self.columns.total),
+        )
+        .hint("check that the log covers the program, or choose fewer terms"))
+    }
+
+    /// Whether any leg is known to no better than the facets of the path can tell apart.
+    fn coarse_legs(&self) -> bool {
+        self.runs.iter().any(|run| {
+            let map = &run.alignment.time_map;
+            run.alignment.legs().iter().any(|&leg| map.offset_sigmas_s[leg] > timing::FACET_S)
+        })
+    }
+
+    fn find_facets(&mut self) {
+        for run in &mut self.runs {
+            timing::find_facets(self.model, &self.values, run, self.options.nominal_mm);
+            run.alignment.place_samples();
+        }
+    }
+
+    /// Gauss-Newton until the change is negligible.
+    fn iterate(&mut self, detail: timing::Detail) -> Result<Outcome> {
+        for steps in 1..=MOST_STEPS {
+            // Chosen while the times still move, then held: a sample that comes and goes at a reversal
+            // would keep the fit from settling.
+            if steps <= CHOOSING_STEPS {
+                self.taking_part = residuals::taking_part(&self.runs);
+            }
+            let triangle = self.factor(detail)?;
+            let floor = self.floor(triangle.rows());
+            let solution = solve::solve(&triangle, Truncation::Effect(floor))?;
+            self.refuse_deficient(&solution)?;
+            let step = solution.x().to_vec();
+            let change = triangle.r().times_vector(&step);
+            let change = change.iter().map(|c| c * c).sum::<f64>().sqrt();
+            // Vertices of the path make the times overshoot and come back for ever; half a step does not.
+            let share = if steps > CHOOSING_STEPS + 1 { 0.5 } else { 1.0 };
+            self.apply(&step, share, &solution);
+            let rows = triangle.rows() as f64;
+            // Rows are in units of the assumed noise: their rms corrects it.
+            let scatter = solution.residual_norm() / rows.sqrt();
+            if std::env::var_os("DBG").is_some() { eprintln!("step {steps} {detail:?} change {:.3e} scatter {:.4} sigma {:.3e} rank {} rate {:?} rows {}", change / rows.sqrt(), scatter, self.sigma_mm, solution.rank(), self.runs[0].alignment.time_map.rate, triangle.rows()); }
+            let settled = steps > CHOOSING_STEPS || self.taking_part == residuals::taking_part(&self.runs);
+            if settled && change / rows.sqrt() < NEGLIGIBLE * scatter.max(1e-12) {
+                self.sigma_mm *= scatter;
+                return Ok(Outcome { solution, floor, steps });
+            }
+            if steps == MOST_STEPS && detail == timing::Detail::Smooth {
+                return Ok(Outcome { solution, floor, steps });
+            }
+            if steps <= 2 {
+                self.sigma_mm = (self.sigma_mm * scatter).max(1e-3 * self.options.noise_mm);
+            }
+        }
+        Err(Error::new(
+            Kind::Undetermined,
+            format!("the fit does not settle within {MOST_STEPS} steps"),
+        )
+        .hint("look at the aligned samples; the log may be of another program, or choose fewer terms"))
+    }
+
+    /// Singular values below this are not observed.
+    fn floor(&self, rows: usize) -> f64 {
+        let typical = SEEN_UM * 1e-3 / self.sigma_mm * (rows as f64).sqrt();
+        SEEN_SIGMAS / typical
+    }
+
+    /// One pass over the samples: rows of coefficients and time, in units of the noise.
+    fn factor(&self, detail: timing::Detail) -> Result<Triangle> {
+        let mut rows = Tsqr::new(self.columns.total);
+        let mut row = vec![0.0; self.columns.total];
+        for (index, run) in self.runs.iter().enumerate() {
+            for (k, sample) in run.alignment.samples.iter().enumerate() {
+                if !self.taking_part[index][k] {
+                    continue;
+                }
+                let weight = self.weights.as_ref().map_or(1.0, |weights| weights[index][k]);
+                let view = timing::view(self.model, &self.values, run, sample, detail, self.options.nominal_mm);
+                self.fill_row(&mut row, index, sample, view.speed_mm_s);
+                rows.push_weighted(&row, view.residual_mm, weight.sqrt() / self.sigma_mm);
+            }
+            self.push_time(&mut rows, &mut row, index, run);
+        }
+        rows.finish()
+    }
+
+    fn fill_row(&self, row: &mut [f64], index: usize, sample: &crate::align::Sample, speed_mm_s: f64) {
+        row.fill(0.0);
+        let run = &self.runs[index];
+        let situation = self.model.situation(&sample.pose, run.mounting);
+        self.model.row(&situation, &mut row[..self.columns.coefficients]);
+        if let Some(offset) = self.columns.offset(index, sample.leg) {
+            row[offset] = -speed_mm_s;
+        }
+        row[self.columns.rate(index)] =
+            speed_mm_s * (sample.log_s - run.alignment.time_map.pivot_s);
+    }
+
+    /// Rows of the marks and of the clock's tolerance.
+    fn push_time(&self, rows: &mut Tsqr, row: &mut [f64], index: usize, run: &RunInput) {
+        self.each_time_row(row, index, run, |row, value, sigma| {
+            rows.push_weighted(row, value, 1.0 / sigma);
+        });
+    }
+
+    /// Calls back with each row about the time map alone: row, right-hand side, standard deviation.
+    fn each_time_row(
+        &self,
+        row: &mut [f64],
+        index: usize,
+        run: &RunInput,
+        mut push: impl FnMut(&[f64], f64, f64),
+    ) {
+        let map = &run.alignment.time_map;
+        for mark in &run.alignment.marks {
+            let leg = map.leg_of(mark.program_s);
+            let Some(offset) = self.columns.offset(index, leg) else { continue };
+            row.fill(0.0);
+            row[offset] = 1.0;
+            row[self.columns.rate(index)] = -(mark.log_s - map.pivot_s);
+            push(row, map.on_leg_s(mark.log_s, leg) - mark.program_s, mark.sigma_s);
+        }
+        row.fill(0.0);
+        row[self.columns.rate(index)] = 1.0;
+        push(row, -map.rate, self.options.clock_tolerance);
+    }
+
+    /// Takes a step in coefficients and time maps.
+    fn apply(&mut self, step: &[f64], time_share: f64, solution: &Solution) {
+        let sigmas = solve::standard_deviations(&solution.covariance_unscaled());
+        for (value, change) in self.values.iter_mut().zip(step) {
+            *value += change;
+        }
+        for (index, run) in self.runs.iter_mut().enumerate() {
+            let map = &mut run.alignment.time_map;
+            let rate = self.columns.rate(index);
+            map.rate += time_share * step[rate];
+            map.rate_sigma = sigmas[rate];
+            let (first, legs) = &self.columns.runs[index];
+            for (k, &leg) in legs.iter().enumerate() {
+                // No step beyond a few seconds: far from the truth the derivative is not to be trusted.
+                map.offsets_s[leg] += time_share * step[first + k].clamp(-3.0, 3.0);
+                map.offset_sigmas_s[leg] = sigmas[first + k];
+            }
+            run.alignment.place_samples();
+        }
+    }
+
+    fn refuse_deficient(&self, solution: &Solution) -> Result<()> {
+        let missing = self.columns.total - solution.rank();
+        if missing == 0 || self.options.minimum_norm {
+            return Ok(());
+        }
+        let parameters = self.model.parameters();
+        let sentences: Vec<String> = solution
+            .spectrum()
+            .null_directions(solution.rank(), 0.02)
+            .iter()
+            .map(|direction| format!("\n  {}", words::sentence(direction, parameters)))
+            .collect();
+        Err(Error::new(
+            Kind::Undetermined,
+            format!(
+                "{missing} of the {} chosen parameters cannot be told from the others in these runs:{}",
+                self.columns.coefficients,
+                sentences.concat()
+            ),
+        )
+        .hint("leave one of each group out (`-NAME` in `terms`), or ask for the minimum norm (`minimum_norm = true`)"))
+    }
+
+    /// Robust weights from the present residuals.
+    fn reweigh(&mut self) {
+        let loss = match self.options.loss {
+            Loss::Off => return,
+            Loss::Huber => solve::Loss::Huber,
+            Loss::Tukey => solve::Loss::Tukey,
+        };
+        let records = self.records();
+        let mut used: Vec<f64> =
+            records.iter().flatten().filter(|r| r.used).map(|r| r.residual_mm).collect();
+        let Some(scale) = solve::robust_scale(&mut used) else { return };
+        let weigh = |record: &Record| loss.weight(record.residual_mm / scale);
+        self.weights = Some(records.iter().map(|run| run.iter().map(weigh).collect()).collect());
+        self.sigma_mm = scale;
+    }
+
+    fn records(&self) -> Vec<Vec<Record>> {
+        let nominal_mm = self.options.nominal_mm;
+        self.runs
+            .iter()
+            .enumerate()
+            .map(|(index, run)| {
+                let weights = self.weights.as_ref().map(|weights| weights[index].as_slice());
+                let used = &self.taking_part[index];
+                residuals::records(self.model, &self.values, run, used, weights, nominal_mm)
+            })
+            .collect()
+    }
+
+    /// Noise model, covariance, and everything that is told.
+    fn finish(mut self, outcome: &Outcome, steps: usize) -> Result<Identification> {
+        let records = self.records();
+        let used: Vec<f64> = records.iter().flatten().filter(|r| r.used).map(|r| r.residual_mm).collect();
+        let rms_mm = residuals::rms(&used);
+        let mut covariances = Autocovariances::new(NOISE_ORDER);
+        for (run, records) in self.runs.iter().zip(&records) {
+            for segment in residuals::segments(&run.alignment, records) {
+                let values: Vec<f64> = records[segment].iter().map(|r| r.residual_mm).collect();
+                covariances.push_segment(&values);
+            }
+        }
+        let freedom = used.len().saturating_sub(outcome.solution.rank()).max(1) as f64;
+        let noise = NoiseModel::fit(&covariances, NOISE_ORDER)?.scaled((used.len() as f64 / freedom).sqrt());
+        let filtered = self.filtered(&records, &noise)?;
+        let covariance = outcome.solution.covariance_sandwich(&filtered);
+        let sigmas = solve::standard_deviations(&covariance);
+        for (index, run) in self.runs.iter_mut().enumerate() {
+            let map = &mut run.alignment.time_map;
+            map.rate_sigma = sigmas[self.columns.rate(index)];
+            let (first, legs) = &self.columns.runs[index];
+            for (k, &leg) in legs.iter().enumerate() {
+                map.offset_sigmas_s[leg] = sigmas[first + k];
+            }
+            run.alignment.place_samples();
+        }
+        let count = self.columns.coefficients;
+        let spectrum = outcome.solution.spectrum();
+        let observed = outcome.solution.observed_fraction();
+        let estimates = self
+            .model
+            .parameters()
+            .iter()
+            .enumerate()
+            .map(|(k, parameter)| Estimate {
+                parameter: parameter.clone(),
+                value: self.values[k],
+                sigma: sigmas[k],
+                observed: observed[k],
+            })
+            .collect();
+        let lost = self.columns.total - outcome.solution.rank();
+        let correlation = solve::correlation(&covariance);
+        Ok(Identification {
+            estimates,
+            correlation: Matrix::from_fn(count, count, |i, k| correlation[(i, k)]),
+            rank: count - lost,
+            singular_values: spectrum.singular_values().to_vec(),
+            floor: outcome.floor,
+            condition: spectrum.condition_of(outcome.solution.rank()),
+            null_directions: spectrum.null_directions(outcome.solution.rank(), 0.02),
+            noise,
+            runs: self.runs,
+            records,
+            rms_mm,
+            used: used.len(),
+            steps,
+        })
+    }
+
+    /// The rows `W J`, filtered by the noise, for the sandwich.
+    fn filtered(&self, records: &[Vec<Record>], noise: &NoiseModel) -> Result<Triangle> {
+        let mut rows = Tsqr::new(self.columns.total);
+        let mut row = vec![0.0; self.columns.total];
+        let mut filter = BackwardFilter::new(noise, self.columns.total);
+        for (index, run) in self.runs.iter().enumerate() {
+            for segment in residuals::segments(&run.alignment, &records[index]) {
+                filter.begin(segment.len());
+                for k in segment.rev() {
+                    let sample = &run.alignment.samples[k];
+                    let speed = timing::view(
+                        self.model,
+                        &self.values,
+                        run,
+                        sample,
+                        timing::Detail::Full,
+                        self.options.nominal_mm,
+                    )
+                    .speed_mm_s;
+                    self.fill_row(&mut row, index, sample, speed);
+                    let weight = records[index][k].weight / (self.sigma_mm * self.sigma_mm);
+                    row.iter_mut().for_each(|value| *value *= weight);
+                    rows.push(filter.push(&row), 0.0);
+                }
+            }
+            self.each_time_row(&mut row, index, run, |row, _, sigma| {
+                rows.push_weighted(row, 0.0, 1.0 / sigma);
+            });
+        }
+        rows.finish()
+    }
+}

@@ -1,0 +1,29 @@
+//! Identification: from aligned samples to coefficients, their uncertainty, and what nobody can see.
+//!
+//! **Estimation** (paper, Eq. 7): Gauss-Newton on the exact chain. With `rho_i` the deviation that the
+//! chain predicts for sample `i`, the step `d` minimises
+//!
+//! `sum_i (w_i / sigma²) (y_i - rho_i - J_i d)² + sum_m (mark residual / its sigma)² + (rate / its tolerance)²`
+//!
+//! over the coefficients and, at the same time, over the time map: one offset for every leg and the
+//! clock rate. The first sum has a column `d rho / d t` for them, the second are the engagements and
+//! releases, the third is what the instrument's maker says of its clock.
+//!
+//! **Uncertainty.** The samples of an arc are correlated. An autoregressive model of the residuals
+//! gives their covariance `S`, and the covariance of the estimate is
+//! `(J'WJ)^+ J'W S W J (J'WJ)^+`. It counts noise, correlated noise and the uncertainty of the time
+//! map. It does not count what the model gets wrong.
+//!
+//! **Rank.** A direction in coefficient space counts as observed when its effect over the measured
+//! sphere stands out of the noise, see [`SEEN_UM`].
+
+mod fit;
+mod repeats;
+mod residuals;
+mod timing;
+mod words;
+
+pub use fit::{Estimate, Identification, Options, RunInput, SEEN_UM, identify};
+pub use repeats::{Repeat, repeats};
+pub use residuals::{ArcResiduals, Record, arcs, rms_mm};
+pub use words::sentence;

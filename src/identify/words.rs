@@ -1,0 +1,43 @@
+//! Null space in words.
+
+use std::fmt::Write as _;
+
+use crate::model::Parameter;
+use crate::solve::NullDirection;
+
+/// A confounded group as a sentence: `EBXb acts as -40.0 mm/rad EXXb + 160.0 mm/rad EZXb`.
+pub fn sentence(direction: &NullDirection, parameters: &[Parameter]) -> String {
+    let name = |column: usize| {
+        parameters.get(column).map_or("the time map", |parameter| parameter.name.as_str())
+    };
+    let Some((first, rest)) = direction.parts.split_first() else { return String::new() };
+    if rest.is_empty() {
+        return format!("{} has no effect on the length", name(first.0));
+    }
+    let mut text = format!("{} acts as", name(first.0));
+    for (k, (column, share)) in rest.iter().enumerate() {
+        // The direction is invisible: one unit of the first is undone by the shares of the others.
+        let factor = -share / first.1;
+        let sign = match (factor < 0.0, k) {
+            (true, 0) => " -",
+            (false, 0) => " ",
+            (true, _) => " - ",
+            (false, _) => " + ",
+        };
+        let _ = write!(text, "{sign}{} {}", significant(factor.abs()), name(*column));
+    }
+    text
+}
+
+/// Four significant digits, without an exponent where it can be read without.
+fn significant(value: f64) -> String {
+    if (1e-3..1e5).contains(&value) {
+        let digits = (3 - value.log10().floor() as i32).clamp(0, 6) as usize;
+        let text = format!("{value:.digits$}");
+        if text.contains('.') {
+            return text.trim_end_matches('0').trim_end_matches('.').to_owned();
+        }
+        return text;
+    }
+    format!("{value:.3e}")
+}

@@ -1,0 +1,148 @@
+//! What one block says: its words by address, its G words in force.
+
+use super::lex::{Fault, Word};
+use super::modal::{Code, Miscellaneous, Modal, unknown};
+
+/// More words than this are no block.
+const MOST_WORDS: usize = 200;
+
+/// A set of address letters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Letters(u32);
+
+impl Letters {
+    /// The set of these letters, upper case.
+    pub(crate) const fn of(letters: &[u8]) -> Self {
+        let mut set = 0;
+        let mut index = 0;
+        while index < letters.len() {
+            set |= 1 << (letters[index] - b'A');
+            index += 1;
+        }
+        Self(set)
+    }
+
+    /// Both sets together.
+    pub(crate) const fn and(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    fn has(self, letter: u8) -> bool {
+        self.0 & (1 << (letter - b'A')) != 0
+    }
+}
+
+/// The words of a block, sorted.
+#[derive(Debug)]
+pub(crate) struct Command<'a> {
+    words: &'a [Word],
+    /// By letter: index of its word, counted from 1; 0 when it is absent.
+    places: [u8; 26],
+    /// G00 to G03 in this block.
+    pub(crate) motion: Option<&'a Word>,
+    /// G04, G05, G05.1, G08 or G53.
+    pub(crate) one_shot: Option<(Code, &'a Word)>,
+    /// G09.
+    pub(crate) exact_stop: bool,
+    /// The M word.
+    pub(crate) miscellaneous: Option<(Miscellaneous, &'a Word)>,
+}
+
+impl<'a> Command<'a> {
+    /// Sorts the words of a block and puts its G words and its feed in force.
+    pub(crate) fn new(words: &'a [Word], modal: &mut Modal) -> Result<Self, Fault> {
+        if let Some(word) = words.get(MOST_WORDS) {
+            return Err(Fault::word(word, "the block has too many words"));
+        }
+        let mut command = Self {
+            words,
+            places: [0; 26],
+            motion: None,
+            one_shot: None,
+            exact_stop: false,
+            miscellaneous: None,
+        };
+        let mut groups = 0_u16;
+        for (index, word) in words.iter().enumerate() {
+            match word.letter {
+                b'G' => {
+                    let code = Code::of(word)?;
+                    let (group, name) = code.group();
+                    if groups & (1 << group) != 0 {
+                        return Err(Fault::word(
+                            word,
+                            format!("{} in a block that already sets {name}", word.name()),
+                        )
+                        .hint("write one word of each group in a block"));
+                    }
+                    groups |= 1 << group;
+                    match code {
+                        Code::Motion(_) => command.motion = Some(word),
+                        Code::ExactStop => command.exact_stop = true,
+                        Code::Dwell | Code::MachineCoordinates | Code::LookAhead(_) => {
+                            command.one_shot = Some((code, word));
+                        }
+                        _ => {}
+                    }
+                    modal.apply(code);
+                }
+                letter => {
+                    let place = &mut command.places[usize::from(letter - b'A')];
+                    if *place > 0 {
+                        return Err(Fault::word(
+                            word,
+                            format!("a second {} in one block", char::from(letter)),
+                        )
+                        .hint("write every address once in a block"));
+                    }
+                    *place = index as u8 + 1;
+                    if letter == b'M' {
+                        command.miscellaneous = Some((Miscellaneous::of(word)?, word));
+                    }
+                }
+            }
+        }
+        // Last, because the feed is in the unit of the block, wherever G20 stands in it.
+        if let Some(word) = command.word(b'F') {
+            modal.set_feed(word)?;
+        }
+        Ok(command)
+    }
+
+    /// The word of an address.
+    pub(crate) fn word(&self, letter: u8) -> Option<&'a Word> {
+        let place = self.places[usize::from(letter - b'A')];
+        self.words.get(usize::from(place).wrapping_sub(1))
+    }
+
+    /// The word of X, Y or Z, by axis 0, 1, 2.
+    pub(crate) fn coordinate(&self, axis: usize) -> Option<&'a Word> {
+        self.word([b'X', b'Y', b'Z'][axis])
+    }
+
+    /// The first word, in the order of the block, that has one of these addresses.
+    pub(crate) fn first(&self, letters: Letters) -> Option<&'a Word> {
+        self.words.iter().find(|word| letters.has(word.letter))
+    }
+
+    /// How many words the block has.
+    pub(crate) fn len(&self) -> usize {
+        self.words.len()
+    }
+
+    /// Whether an M98 or M99 leaves the program here.
+    pub(crate) fn jump(&self) -> Option<&'a Word> {
+        match self.miscellaneous {
+            Some((Miscellaneous::Call | Miscellaneous::Return, word)) => Some(word),
+            _ => None,
+        }
+    }
+
+    /// Every other address would be skipped, and nothing is.
+    pub(crate) fn allow_only(&self, letters: Letters) -> Result<(), Fault> {
+        match self.words.iter().find(|word| !letters.has(word.letter)) {
+            Some(word) => Err(unknown(word)),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,253 @@
+//! Where the machine stands, as far as the program has said so, and where a block takes it.
+
+use nalgebra::Vector3;
+
+use super::Reading;
+use super::arc::Ends;
+use super::command::{Command, Letters};
+use super::lex::{Fault, Word};
+use super::modal::{Code, Modal, Motion, unknown};
+use super::program::{Move, Path};
+
+/// Addresses of coordinates.
+pub(crate) const COORDINATES: Letters = Letters::of(b"XYZ");
+
+/// Addresses of arcs.
+pub(crate) const ARC: Letters = Letters::of(b"IJKR");
+
+/// A shorter line is none, mm: far below any input increment, far above the rounding of a sum.
+const NO_LENGTH_MM: f64 = 1e-7;
+
+/// The state that moves depend on.
+#[derive(Debug)]
+pub(crate) struct Machine<'a> {
+    reading: &'a Reading,
+    /// What stays in force from block to block.
+    pub(crate) modal: Modal,
+    /// Machine coordinates in mm of X, Y, Z, each known once it was commanded absolutely.
+    position: [Option<f64>; 3],
+}
+
+impl<'a> Machine<'a> {
+    /// A machine that may stand anywhere.
+    pub(crate) fn new(reading: &'a Reading) -> Self {
+        Self {
+            reading,
+            modal: Modal::default(),
+            position: [None; 3],
+        }
+    }
+
+    /// Obeys the coordinates of a block. None when nothing moves, or when a positioning starts from a
+    /// place that is not known.
+    pub(crate) fn motion(&mut self, command: &Command) -> Result<Option<Move>, Fault> {
+        let Some(first) = command.first(COORDINATES.and(ARC)) else {
+            return match command.one_shot {
+                Some((_, word)) => Err(Fault::word(
+                    word,
+                    format!("{} without X, Y or Z", word.name()),
+                )
+                .hint("it says where to position in machine coordinates, in its own block")),
+                None => Ok(None),
+            };
+        };
+        let Some(motion) = self.modal.motion else {
+            return Err(
+                Fault::word(first, "coordinates before the first G00, G01, G02 or G03").hint(
+                    "a parameter of the control decides which of them holds at the start: write it",
+                ),
+            );
+        };
+        if let (Motion::Rapid | Motion::Line, Some(word)) = (motion, command.first(ARC)) {
+            return Err(unknown(word));
+        }
+        let target = self.target(command)?;
+        if motion == Motion::Rapid {
+            return Ok(self.positioning(target, command));
+        }
+        let start_mm = self.known_start(first)?;
+        let end_mm = Vector3::from_fn(|axis, _| target[axis].unwrap_or(start_mm[axis]));
+        if self.modal.feed_mm_s <= 0.0 {
+            return Err(Fault::word(first, "a feed move without a feed")
+                .hint("write F before it or in its block; a change between G20 and G21 also asks for a new F"));
+        }
+        let path = match motion {
+            Motion::Arc { counter_clockwise } => {
+                let ends = Ends {
+                    start_mm,
+                    end_mm,
+                    axis: self.modal.plane_axis,
+                    counter_clockwise,
+                };
+                self.arc(command, ends)?
+            }
+            Motion::Rapid | Motion::Line => Path::Line,
+        };
+        if path == Path::Line && (end_mm - start_mm).norm() < NO_LENGTH_MM {
+            return Ok(None);
+        }
+        self.position = target;
+        Ok(Some(Move {
+            rapid: false,
+            path,
+            start_mm,
+            end_mm,
+            feed_mm_s: self.modal.feed_mm_s,
+            exact_stop: self.modal.exact_stop || command.exact_stop,
+        }))
+    }
+
+    /// G00, from a known place or to one.
+    fn positioning(&mut self, target: [Option<f64>; 3], command: &Command) -> Option<Move> {
+        let start = all(self.position);
+        if let (Some(start_mm), Some(end_mm)) = (start, all(target)) {
+            if (end_mm - start_mm).norm() < NO_LENGTH_MM {
+                return None;
+            }
+            self.position = target;
+            return Some(Move {
+                rapid: true,
+                path: Path::Line,
+                start_mm,
+                end_mm,
+                feed_mm_s: 0.0,
+                exact_stop: self.modal.exact_stop || command.exact_stop,
+            });
+        }
+        self.position = target;
+        None
+    }
+
+    /// Where the coordinates of the block lead; an axis without a word stays where it is.
+    fn target(&self, command: &Command) -> Result<[Option<f64>; 3], Fault> {
+        let in_machine_coordinates = match command.one_shot {
+            Some((Code::MachineCoordinates, word)) => {
+                self.check_machine_coordinates(word)?;
+                true
+            }
+            _ => false,
+        };
+        let mut target = self.position;
+        for (axis, target) in target.iter_mut().enumerate() {
+            let Some(word) = command.coordinate(axis) else {
+                continue;
+            };
+            let value = self.modal.length_mm(word);
+            *target = Some(if in_machine_coordinates {
+                value
+            } else if self.modal.incremental {
+                let from = self.position[axis].ok_or_else(|| {
+                    let letter = char::from(word.letter);
+                    Fault::word(
+                        word,
+                        format!("an incremental move from a place of {letter} that is not known"),
+                    )
+                    .hint(format!(
+                        "the machine may stand anywhere: position {letter} with G90 G00 first"
+                    ))
+                })?;
+                from + value
+            } else {
+                self.zero(word)?[axis] + value
+            });
+        }
+        Ok(target)
+    }
+
+    /// G53 is only unambiguous with G00 and G90: with G01 one make of control positions and another
+    /// feeds, with G91 it is ignored or incremental.
+    fn check_machine_coordinates(&self, word: &Word) -> Result<(), Fault> {
+        if self.modal.motion != Some(Motion::Rapid) {
+            return Err(Fault::word(word, "G53 without G00").hint(
+                "whether G53 then feeds or positions depends on the control: write G00 G53",
+            ));
+        }
+        if self.modal.incremental {
+            return Err(Fault::word(word, "G53 with G91")
+                .hint("whether G53 is then obeyed depends on the control: write G90 G00 G53"));
+        }
+        Ok(())
+    }
+
+    /// Machine coordinates of the zero of the work offset in force, mm.
+    fn zero(&self, word: &Word) -> Result<&Vector3<f64>, Fault> {
+        let number = self.modal.work_offset;
+        self.reading.work_offsets_mm.get(&number).ok_or_else(|| {
+            Fault::word(
+                word,
+                format!("a coordinate in G{number}, which is not known"),
+            )
+            .hint(format!(
+                "state the machine coordinates of the zero of G{number} in the test file"
+            ))
+        })
+    }
+
+    /// The start of a feed move, which must be known in all three axes.
+    fn known_start(&self, word: &Word) -> Result<Vector3<f64>, Fault> {
+        all(self.position).ok_or_else(|| {
+            let unknown: Vec<&str> = ["X", "Y", "Z"]
+                .into_iter()
+                .zip(self.position)
+                .filter_map(|(name, position)| position.is_none().then_some(name))
+                .collect();
+            let names = unknown.join(" and ");
+            Fault::word(
+                word,
+                format!("a feed move from a place of {names} that is not known"),
+            )
+            .hint(format!(
+                "the machine may stand anywhere: position {names} with G90 G00 first"
+            ))
+        })
+    }
+
+    /// The centre and the angle of an arc.
+    fn arc(&self, command: &Command, ends: Ends) -> Result<Path, Fault> {
+        let centers = [b'I', b'J', b'K'].map(|letter| command.word(letter));
+        let first_center = command.first(Letters::of(b"IJK"));
+        let made = match (first_center, command.word(b'R')) {
+            (None, None) => {
+                let word = command.motion.or(command.first(COORDINATES));
+                let what = "an arc without I, J, K and R";
+                let fault = word.map_or_else(|| Fault::line(what), |word| Fault::word(word, what));
+                return Err(
+                    fault.hint("write its centre by I, J, K or its radius by R; lines need G01")
+                );
+            }
+            (Some(_), Some(radius)) => {
+                return Err(
+                    Fault::word(radius, "an arc by centre and by radius at once")
+                        .hint("write either I, J, K or R"),
+                );
+            }
+            (None, Some(radius)) => ends
+                .of_radius(self.modal.length_mm(radius))
+                .map_err(|none| (none, radius)),
+            (Some(first), None) => {
+                if let Some(word) = centers[ends.axis] {
+                    let plane = ["YZ (G19)", "ZX (G18)", "XY (G17)"][ends.axis];
+                    let what = format!(
+                        "{} is not in the plane of the arc, {plane}",
+                        char::from(word.letter)
+                    );
+                    return Err(Fault::word(word, what)
+                        .hint("choose the plane by G17, G18 or G19, or remove the word"));
+                }
+                let offset = Vector3::from_fn(|axis, _| {
+                    centers[axis].map_or(0.0, |word| self.modal.length_mm(word))
+                });
+                ends.about(offset).map_err(|none| (none, first))
+            }
+        };
+        made.map_err(|(none, word)| Fault::word(word, none.what).hint(none.hint))
+    }
+}
+
+/// The point, when all its coordinates are known.
+fn all(position: [Option<f64>; 3]) -> Option<Vector3<f64>> {
+    match position {
+        [Some(x), Some(y), Some(z)] => Some(Vector3::new(x, y, z)),
+        _ => None,
+    }
+}

@@ -1,0 +1,285 @@
+//! Runs a program: block after block, through its subprograms, to its end.
+
+use super::Reading;
+use super::command::{Command, Letters};
+use super::lex::{Fault, Word};
+use super::listing::{Block, Listing};
+use super::modal::{Code, LookAhead, Miscellaneous};
+use super::position::{ARC, COORDINATES, Machine};
+use super::program::{Action, Step};
+use crate::error::Result;
+
+/// A program that runs more blocks than this, or makes more steps, repeats itself without bound.
+pub(crate) const MOST_BLOCKS: usize = 20_000_000;
+
+/// Calls within calls that the control allows.
+const DEEPEST_CALL: usize = 4;
+
+/// Addresses that never move a linear axis by themselves.
+const ANYWHERE: Letters = Letters::of(b"GMFST");
+
+/// A program of the file that is running.
+#[derive(Debug, Clone, Copy)]
+struct Call {
+    section: usize,
+    /// The block that comes next.
+    next: usize,
+    /// How often it runs after this time.
+    again: u32,
+}
+
+/// What comes after a block.
+enum Next {
+    Block,
+    Call(Call),
+    Return,
+    End,
+}
+
+/// Runs the main program of a listing.
+pub(crate) fn run(listing: &Listing, reading: &Reading, most_blocks: usize) -> Result<Vec<Step>> {
+    let mut runner = Runner {
+        listing,
+        reading,
+        machine: Machine::new(reading),
+        label: 0,
+        steps: Vec::with_capacity(listing.blocks.len()),
+        calls: vec![Call {
+            section: 0,
+            next: listing.sections[0].blocks.start,
+            again: 0,
+        }],
+    };
+    runner.run(most_blocks)?;
+    Ok(runner.steps)
+}
+
+struct Runner<'a> {
+    listing: &'a Listing<'a>,
+    reading: &'a Reading,
+    machine: Machine<'a>,
+    /// The last comment that was run through.
+    label: usize,
+    steps: Vec<Step>,
+    /// The main program, and above it the subprograms that are running.
+    calls: Vec<Call>,
+}
+
+impl Runner<'_> {
+    fn run(&mut self, most_blocks: usize) -> Result<()> {
+        let listing = self.listing;
+        let mut ran = 0;
+        while let Some(call) = self.calls.last_mut() {
+            let section = &listing.sections[call.section];
+            if call.next >= section.blocks.end {
+                return Err(listing.locate(section.last, self.no_end()));
+            }
+            let block = &listing.blocks[call.next];
+            call.next += 1;
+            ran += 1;
+            let done = if ran > most_blocks || self.steps.len() > most_blocks {
+                Err(
+                    Fault::line(format!("the program runs more than {most_blocks} blocks"))
+                        .hint("look for a subprogram that is repeated too often: L of M98"),
+                )
+            } else {
+                self.block(block)
+            };
+            match done.map_err(|fault| listing.locate(block.line, fault))? {
+                Next::Block => {}
+                Next::Call(call) => self.calls.push(call),
+                Next::Return => self.leave(),
+                Next::End => return Ok(()),
+            }
+        }
+        Ok(())
+    }
+
+    /// Runs the current subprogram once more, or returns from it.
+    fn leave(&mut self) {
+        if let Some(call) = self.calls.last_mut() {
+            if call.again > 0 {
+                call.again -= 1;
+                call.next = self.listing.sections[call.section].blocks.start;
+            } else {
+                self.calls.pop();
+            }
+        }
+    }
+
+    /// The file goes on no further, but the program has not ended.
+    fn no_end(&self) -> Fault {
+        let section = self.calls.last().map_or(0, |call| call.section);
+        let section = &self.listing.sections[section];
+        let line = section.last.number;
+        match section.number {
+            Some(number) if self.calls.len() > 1 => Fault::line(format!(
+                "subprogram O{number} ends at line {line} without M99"
+            ))
+            .hint("the file may have been cut off; a subprogram returns by M99"),
+            _ => Fault::line(format!("the program ends at line {line} without M30"))
+                .hint("the file may have been cut off; a main program ends with M30 or M02"),
+        }
+    }
+
+    fn step(&mut self, block: &Block, action: Action) {
+        self.steps.push(Step {
+            line: block.line.number,
+            label: self.label,
+            action,
+        });
+    }
+
+    fn block(&mut self, block: &Block) -> std::result::Result<Next, Fault> {
+        if block.label > 0 {
+            self.label = block.label;
+        }
+        let words = self.listing.words(block);
+        if words.is_empty() {
+            return Ok(Next::Block);
+        }
+        let command = Command::new(words, &mut self.machine.modal)?;
+        match command.one_shot {
+            Some((Code::Dwell, word)) => {
+                let seconds = dwell(&command, word)?;
+                self.step(block, Action::Dwell { seconds });
+            }
+            Some((Code::LookAhead(function), word)) => look_ahead(&command, function, word)?,
+            _ => {
+                let mut letters = ANYWHERE.and(COORDINATES).and(ARC);
+                if let Some((Miscellaneous::Call, _)) = command.miscellaneous {
+                    letters = letters.and(Letters::of(b"PL"));
+                }
+                command.allow_only(letters)?;
+                if let Some(motion) = self.machine.motion(&command)? {
+                    self.step(block, Action::Move(motion));
+                }
+            }
+        }
+        self.miscellaneous(block, &command)
+    }
+
+    /// The M word of a block takes effect after its motion.
+    fn miscellaneous(
+        &mut self,
+        block: &Block,
+        command: &Command,
+    ) -> std::result::Result<Next, Fault> {
+        let Some((function, word)) = command.miscellaneous else {
+            return Ok(Next::Block);
+        };
+        match function {
+            Miscellaneous::Stop => self.step(block, Action::Stop),
+            Miscellaneous::OptionalStop if self.reading.optional_stop => {
+                self.step(block, Action::Stop);
+            }
+            Miscellaneous::OptionalStop | Miscellaneous::NoMotion => {}
+            Miscellaneous::End => {
+                self.step(block, Action::End);
+                return Ok(Next::End);
+            }
+            Miscellaneous::Call => return self.call(command, word),
+            Miscellaneous::Return if self.calls.len() > 1 => return Ok(Next::Return),
+            Miscellaneous::Return => {
+                return Err(
+                    Fault::word(word, "M99 in the main program repeats it for ever")
+                        .hint("end the main program with M30"),
+                );
+            }
+        }
+        Ok(Next::Block)
+    }
+
+    fn call(&self, command: &Command, word: &Word) -> std::result::Result<Next, Fault> {
+        let Some(program) = command.word(b'P') else {
+            return Err(Fault::word(word, "M98 without P")
+                .hint("write the number of the subprogram: M98 P1000"));
+        };
+        let section = program
+            .whole()
+            .and_then(|number| self.listing.section(number));
+        let Some(section) = section else {
+            let number = program.value;
+            return Err(Fault::word(program, format!("the file has no subprogram O{number}"))
+                .hint("subprograms are read from the same file, after the main program; repeats are written by L"));
+        };
+        let again = match command.word(b'L').map(|word| (word, word.whole())) {
+            None => 0,
+            Some((_, Some(times @ 1..))) => times - 1,
+            Some((word, _)) => {
+                return Err(Fault::word(
+                    word,
+                    "the number of repeats is not a whole number from 1",
+                )
+                .hint("L3 runs the subprogram three times"));
+            }
+        };
+        if self.calls.len() > DEEPEST_CALL {
+            return Err(
+                Fault::word(word, format!("a call more than {DEEPEST_CALL} deep"))
+                    .hint("the control allows four calls within each other"),
+            );
+        }
+        Ok(Next::Call(Call {
+            section,
+            next: self.listing.sections[section].blocks.start,
+            again,
+        }))
+    }
+}
+
+/// The duration of G04, s.
+fn dwell(command: &Command, word: &Word) -> std::result::Result<f64, Fault> {
+    const TIMES: Letters = Letters::of(b"PXU");
+    const HINT: &str = "write G04 P2000 or G04 X2.0 for two seconds, alone in a block";
+    if let Some(other) = command.motion.or(command.jump()) {
+        return Err(
+            Fault::word(other, format!("{} beside {}", other.name(), word.name())).hint(HINT),
+        );
+    }
+    command.allow_only(ANYWHERE.and(TIMES))?;
+    let given: Vec<&Word> = [b'P', b'X', b'U']
+        .into_iter()
+        .filter_map(|letter| command.word(letter))
+        .collect();
+    let [time] = given[..] else {
+        return Err(Fault::word(word, "a dwell needs one time, by P, X or U").hint(HINT));
+    };
+    if time.value < 0.0 {
+        return Err(Fault::word(time, "the time of a dwell is negative").hint(HINT));
+    }
+    if !time.point {
+        return Ok(time.value / 1e3);
+    }
+    if time.letter == b'P' {
+        return Err(
+            Fault::word(time, "the time of a dwell by P has a decimal point")
+                .hint("P counts whole milliseconds; write X or U for seconds: G04 X2.0"),
+        );
+    }
+    Ok(time.value)
+}
+
+/// A block that switches the look-ahead.
+fn look_ahead(
+    command: &Command,
+    function: LookAhead,
+    word: &Word,
+) -> std::result::Result<(), Fault> {
+    let (letter, on) = (char::from(function.letter), function.on);
+    let name = word.name();
+    let hint = format!(
+        "{name} {letter}{on} switches the look-ahead on, {name} {letter}0 off, each alone in a block"
+    );
+    match command.word(function.letter) {
+        None => Err(Fault::word(word, format!("{name} without {letter}")).hint(hint)),
+        Some(argument) if !matches!(argument.whole(), Some(n) if n == 0 || n == on) => Err(
+            Fault::word(argument, format!("{name} {} is not known", argument.name())).hint(hint),
+        ),
+        Some(_) if command.len() > 2 => {
+            command.allow_only(Letters::of(&[b'G', function.letter]))?;
+            Err(Fault::word(word, format!("{name} is not alone in its block")).hint(hint))
+        }
+        Some(_) => Ok(()),
+    }
+}

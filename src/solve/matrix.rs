@@ -1,0 +1,205 @@
+//! A small dense matrix, for what has one row a coefficient, never one row a sample.
+//!
+//! The other rooms exchange covariances and bases in this type, so that none of them has to know the
+//! linear algebra library. Tall matrices do not exist here: they pass row by row through
+//! [`Tsqr`](super::Tsqr).
+
+use std::ops::{Index, IndexMut};
+
+/// A dense matrix of `f64`, stored row after row.
+///
+/// The unit of an element is the business of whoever made it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Matrix {
+    rows: usize,
+    columns: usize,
+    data: Vec<f64>,
+}
+
+impl Matrix {
+    /// The zero matrix, `rows x columns`.
+    pub fn zeros(rows: usize, columns: usize) -> Self {
+        Self {
+            rows,
+            columns,
+            data: vec![0.0; rows * columns],
+        }
+    }
+
+    /// The identity, `n x n`.
+    pub fn identity(n: usize) -> Self {
+        Self::from_fn(n, n, |i, k| if i == k { 1.0 } else { 0.0 })
+    }
+
+    /// The matrix with the elements `element(i, k)`.
+    pub fn from_fn(
+        rows: usize,
+        columns: usize,
+        mut element: impl FnMut(usize, usize) -> f64,
+    ) -> Self {
+        let mut data = Vec::with_capacity(rows * columns);
+        for i in 0..rows {
+            for k in 0..columns {
+                data.push(element(i, k));
+            }
+        }
+        Self {
+            rows,
+            columns,
+            data,
+        }
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Number of columns.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Row `i` as a slice.
+    ///
+    /// # Panics
+    ///
+    /// If there is no row `i`.
+    pub fn row(&self, i: usize) -> &[f64] {
+        &self.data[i * self.columns..(i + 1) * self.columns]
+    }
+
+    /// Row `i` as a slice that can be written.
+    ///
+    /// # Panics
+    ///
+    /// If there is no row `i`.
+    pub fn row_mut(&mut self, i: usize) -> &mut [f64] {
+        &mut self.data[i * self.columns..(i + 1) * self.columns]
+    }
+
+    /// A copy of column `k`.
+    ///
+    /// # Panics
+    ///
+    /// If there is no column `k`.
+    pub fn column(&self, k: usize) -> Vec<f64> {
+        (0..self.rows).map(|i| self[(i, k)]).collect()
+    }
+
+    /// The diagonal.
+    pub fn diagonal(&self) -> Vec<f64> {
+        (0..self.rows.min(self.columns))
+            .map(|i| self[(i, i)])
+            .collect()
+    }
+
+    /// `A^T`.
+    #[must_use]
+    pub fn transposed(&self) -> Self {
+        Self::from_fn(self.columns, self.rows, |i, k| self[(k, i)])
+    }
+
+    /// `A B`.
+    ///
+    /// # Panics
+    ///
+    /// If `A` has another number of columns than `B` has rows.
+    #[must_use]
+    pub fn times(&self, b: &Self) -> Self {
+        assert_eq!(self.columns, b.rows, "shapes of a matrix product");
+        let mut product = Self::zeros(self.rows, b.columns);
+        for i in 0..self.rows {
+            for (j, &a) in self.row(i).iter().enumerate() {
+                for (out, &b) in product.row_mut(i).iter_mut().zip(b.row(j)) {
+                    *out += a * b;
+                }
+            }
+        }
+        product
+    }
+
+    /// `A A^T`, symmetric to the last bit.
+    #[must_use]
+    pub fn times_own_transpose(&self) -> Self {
+        let mut product = Self::zeros(self.rows, self.rows);
+        for i in 0..self.rows {
+            for k in 0..=i {
+                let sum = dot(self.row(i), self.row(k));
+                product[(i, k)] = sum;
+                product[(k, i)] = sum;
+            }
+        }
+        product
+    }
+
+    /// `A x`.
+    ///
+    /// # Panics
+    ///
+    /// If `x` has not one element a column.
+    pub fn times_vector(&self, x: &[f64]) -> Vec<f64> {
+        assert_eq!(self.columns, x.len(), "shapes of a matrix-vector product");
+        (0..self.rows).map(|i| dot(self.row(i), x)).collect()
+    }
+
+    /// The Frobenius norm of every column, computed without overflow or underflow of the squares.
+    pub fn column_norms(&self) -> Vec<f64> {
+        (0..self.columns)
+            .map(|k| norm((0..self.rows).map(|i| self[(i, k)])))
+            .collect()
+    }
+}
+
+impl Index<(usize, usize)> for Matrix {
+    type Output = f64;
+
+    fn index(&self, (i, k): (usize, usize)) -> &f64 {
+        &self.data[i * self.columns + k]
+    }
+}
+
+impl IndexMut<(usize, usize)> for Matrix {
+    fn index_mut(&mut self, (i, k): (usize, usize)) -> &mut f64 {
+        &mut self.data[i * self.columns + k]
+    }
+}
+
+/// `a . b`, summed in order.
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The Euclidean norm, scaled by the largest element so that no square leaves the range of `f64`.
+pub(super) fn norm(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    let largest = values.clone().fold(0.0_f64, |m, x| m.max(x.abs()));
+    if largest == 0.0 || !largest.is_finite() {
+        return largest;
+    }
+    largest * values.map(|x| (x / largest).powi(2)).sum::<f64>().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn products_agree_with_each_other() {
+        let a = Matrix::from_fn(3, 2, |i, k| (i * 2 + k) as f64);
+        assert_eq!(a.times(&a.transposed()), a.times_own_transpose());
+        assert_eq!(a.times(&Matrix::identity(2)), a);
+        assert_eq!(
+            a.times_vector(&[1.0, -1.0]),
+            a.times(&Matrix::from_fn(2, 1, |i, _| 1.0 - 2.0 * i as f64))
+                .column(0)
+        );
+        assert_eq!(a.diagonal(), [0.0, 3.0]);
+    }
+
+    #[test]
+    fn norms_keep_their_range() {
+        assert!((norm([3e200, 4e200].into_iter()) - 5e200).abs() < 1e186);
+        assert!((norm([3e-200, 4e-200].into_iter()) - 5e-200).abs() < 1e-214);
+        assert!(norm([0.0, 0.0].into_iter()).abs() < f64::MIN_POSITIVE);
+    }
+}
