@@ -34,6 +34,7 @@ fn main() {
           println!("SIG {} {}", run.name, t.offset_sigmas_s.iter().map(|o| o.to_string()).collect::<Vec<_>>().join(","));
           println!("STOPS {} {}", run.name, t.stops_s().iter().map(|o| o.to_string()).collect::<Vec<_>>().join(","));
         }
+        if std::env::var_os("RES").is_some() { for (run, rec) in r.runs.iter().zip(&r.records) { for (s, q) in run.alignment.samples.iter().zip(rec) { if let align::Place::Arc(k) = s.place { println!("RES {} {} {:.6} {:.4} {:.6} {} {} {} {:.5}", run.name, k, s.program_s, s.log_s, q.residual_mm*1e3, s.pose.position_mm.x, s.pose.position_mm.y, s.pose.position_mm.z, q.predicted_mm*1e3); } } } }
         for e in &r.estimates { println!("EST {} {} {} {}", r.runs[0].name, e.parameter.name, e.value, e.sigma); }
     }
 }

@@ -18,7 +18,7 @@ mod stops;
 mod time_map;
 
 pub use engagement::{Engagement, Refusal};
-pub use ramp::Mark;
+pub use ramp::{Mark, MarkKind};
 pub use samples::{Alignment, Place, Sample, align};
 pub use section::{Circle, Section};
 pub use time_map::{Moment, TimeMap};

@@ -9,6 +9,17 @@ use crate::log::Log;
 use crate::motion::Trajectory;
 use crate::plan::BallBar;
 
+/// What a mark was read from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MarkKind {
+    /// The feed-in runs through the bar's range.
+    Engagement,
+    /// The feed-out runs through the bar's range.
+    Release,
+    /// The reading stood still until then: the end of an operator's pause.
+    Standstill,
+}
+
 /// A moment known on both clocks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mark {
@@ -18,9 +29,9 @@ pub struct Mark {
     pub program_s: f64,
     /// Standard deviation of their difference, s.
     pub sigma_s: f64,
-    /// Whether it is an engagement (or a release).
-    pub engages: bool,
-    /// How many samples of the ramp made it; 0 where only the edge of the range is known.
+    /// What it was read from.
+    pub kind: MarkKind,
+    /// How many samples of a ramp made it; 0 where only the edge of the range is known.
     pub samples: usize,
 }
 
@@ -42,6 +53,7 @@ pub(super) fn mark(
     engages: bool,
 ) -> Mark {
     let period_s = log.sample_period_s();
+    let kind = if engages { MarkKind::Engagement } else { MarkKind::Release };
     let edge_program_s = if engages { engagement.start_s } else { engagement.end_s };
     let deviation_mm = |time_s: f64| {
         commanded_deviation_mm(&trajectory.at(time_s).position_mm, coincidence_mm, bar)
@@ -87,7 +99,7 @@ pub(super) fn mark(
     if samples > 0 {
         // The following error is common to the samples of a ramp: no gain from their number there.
         let sigma_s = (1.0 / sum.0).sqrt().max(FOLLOWING_S);
-        return Mark { log_s: sum.1 / sum.0, program_s: sum.2 / sum.0, sigma_s, engages, samples };
+        return Mark { log_s: sum.1 / sum.0, program_s: sum.2 / sum.0, sigma_s, kind, samples };
     }
     // No sample on the ramp: the edge lies within one period outside the first reading.
     let half_s = if engages { -0.5 * period_s } else { 0.5 * period_s };
@@ -95,7 +107,7 @@ pub(super) fn mark(
         log_s: edge_log_s + half_s,
         program_s: 0.5 * (edge_program_s + foot_s),
         sigma_s: (period_s + ramp_s) / 12.0_f64.sqrt(),
-        engages,
+        kind,
         samples,
     }
 }

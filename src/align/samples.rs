@@ -5,7 +5,7 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use super::engagement::{self, Engagement};
-use super::{Mark, Section, TimeMap, ramp, section, stops};
+use super::{Mark, MarkKind, Section, TimeMap, ramp, section, stops};
 use crate::error::Result;
 use crate::log::Log;
 use crate::machine::{Machine, Mounting, Pose};
@@ -173,7 +173,7 @@ pub fn align(
             continue;
         }
         for (stretch, engagement) in stretches.iter().zip(&expected) {
-            find_pauses(&mut time_map, log, stretch, engagement);
+            marks.extend(find_pauses(&mut time_map, log, stretch, engagement));
         }
         time_map.override_excess = excess;
         time_map.override_sigma = excess_sigma;
@@ -208,10 +208,17 @@ fn middle_s(log: &Log, stretches: &[Range<usize>]) -> f64 {
     }
 }
 
-/// Offsets of the legs inside one engagement, between the pauses that the log shows.
-fn find_pauses(time_map: &mut TimeMap, log: &Log, stretch: &Range<usize>, engagement: &Engagement) {
+/// Offsets of the legs inside one engagement, between the pauses that the log shows, and the marks that
+/// they are.
+fn find_pauses(
+    time_map: &mut TimeMap,
+    log: &Log,
+    stretch: &Range<usize>,
+    engagement: &Engagement,
+) -> Vec<Mark> {
+    let mut marks = Vec::new();
     if engagement.stops == 0 {
-        return;
+        return marks;
     }
     let first_leg = time_map.leg_of(engagement.start_s);
     let last_leg = first_leg + engagement.stops;
@@ -230,6 +237,15 @@ fn find_pauses(time_map: &mut TimeMap, log: &Log, stretch: &Range<usize>, engage
         if leg < last_leg {
             time_map.offsets_s[leg] = time_map.offsets_s[leg - 1] + length_s / scale;
             time_map.offset_sigmas_s[leg] = STANDSTILL_SIGMA_S;
+            let program_s = time_map.stops_s()[leg - 1];
+            marks.push(Mark {
+                log_s: time_map.log_time_s(program_s, leg),
+                program_s,
+                sigma_s: STANDSTILL_SIGMA_S,
+                kind: MarkKind::Standstill,
+                samples: 0,
+            });
         }
     }
+    marks
 }

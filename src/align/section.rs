@@ -189,10 +189,22 @@ fn section(
         let zero = radius(from).try_normalize(1e-9)?;
         (Circle::Other { normal: axis, zero }, upwards)
     };
-    let label = trajectory.label(&blocks[0]);
+    // A comment that was there before this arc, on an M00 say, is not its name.
+    let own = begin == 0 || trajectory.blocks()[begin - 1].label != blocks[0].label;
+    let label = if own { trajectory.label(&blocks[0]) } else { "" };
     let longest = blocks.iter().filter_map(|b| b.motion()).map(|m| m.feed_mm_s).fold(0.0, f64::max);
     Some(Section {
-        name: if label.is_empty() { circle.name() } else { label.to_owned() },
+        name: if label.is_empty() {
+            let sense = match (circle, forward) {
+                (Circle::Meridian { .. }, true) => "forward",
+                (Circle::Meridian { .. }, false) => "backward",
+                (_, true) => "CCW",
+                (_, false) => "CW",
+            };
+            format!("{} {sense}", circle.name())
+        } else {
+            label.to_owned()
+        },
         circle,
         forward,
         transit: false,

@@ -14,6 +14,8 @@ pub struct TimeMap {
     pub offsets_s: Vec<f64>,
     /// Standard deviation of each offset, s; infinite where no sample tells it.
     pub offset_sigmas_s: Vec<f64>,
+    /// Covariance of each offset with the rate, s.
+    pub offset_rate_covariances_s: Vec<f64>,
     /// Share by which the real feed differs from the programmed one times the stated override.
     pub override_excess: f64,
     /// Standard deviation of that share; 0 where it was not estimated.
@@ -50,6 +52,7 @@ impl TimeMap {
             rate_sigma: 0.0,
             offsets_s: vec![0.0; legs],
             offset_sigmas_s: vec![f64::INFINITY; legs],
+            offset_rate_covariances_s: vec![0.0; legs],
             override_excess: 0.0,
             override_sigma: 0.0,
             stops_s,
@@ -97,13 +100,20 @@ impl TimeMap {
                 self.offsets_s[leg] = sum.2 / sum.0 + self.rate * time;
                 self.offset_sigmas_s[leg] =
                     sum.0.sqrt().recip().hypot(self.rate_sigma * time);
+                self.offset_rate_covariances_s[leg] = self.rate_sigma.powi(2) * time;
             }
         }
     }
 
     /// Standard deviation of the program time of a log time on a leg, s.
     pub fn sigma_s(&self, log_s: f64, leg: usize) -> f64 {
-        self.offset_sigmas_s[leg].hypot(self.rate_sigma * (log_s - self.pivot_s))
+        let offset = self.offset_sigmas_s[leg];
+        if offset.is_infinite() {
+            return offset;
+        }
+        let time_s = log_s - self.pivot_s;
+        let mixed = 2.0 * time_s * self.offset_rate_covariances_s[leg];
+        (offset * offset + (self.rate_sigma * time_s).powi(2) - mixed).max(0.0).sqrt()
     }
 
     /// The moment of a log time.

@@ -2,17 +2,18 @@
 
 use super::residuals::{self, Record};
 use super::{timing, words};
-use crate::align::{Alignment, Place};
+use crate::align::{Alignment, Place, TimeMap};
 use crate::error::{Error, Kind, Result};
 use crate::model::{Model, Parameter};
 use crate::plan::Loss;
 use crate::solve::{
-    self, Autocovariances, BackwardFilter, Matrix, NoiseModel, NullDirection, Solution, Triangle,
+    self, Autocovariances, BackwardFilter, Matrix, NoiseModel, NullDirection, Solution, Spectrum,
+    Triangle,
     Truncation, Tsqr,
 };
 
 /// A direction is observed when a combination of errors of this size each (rms over the measured
-/// sphere, um) would show by more than [`SEEN_SIGMAS`] standard deviations of the noise.
+/// sphere, um) would show by more than [`SEEN_SIGMAS`] standard deviations of the stated noise.
 pub const SEEN_UM: f64 = 25.0;
 /// See [`SEEN_UM`].
 const SEEN_SIGMAS: f64 = 3.0;
@@ -31,7 +32,7 @@ const NOISE_ORDER: usize = 8;
 pub struct Options {
     /// Nominal length of the bar, mm.
     pub nominal_mm: f64,
-    /// Standard deviation of a reading before anything is known, mm.
+    /// Stated standard deviation of a reading, mm.
     pub noise_mm: f64,
     /// How far the instrument's clock may be off, as a share of 1.
     pub clock_tolerance: f64,
@@ -141,6 +142,17 @@ impl Columns {
     fn rate(&self, run: usize) -> usize {
         self.runs[run].0 + self.runs[run].1.len()
     }
+
+    /// Takes the uncertainty of a time map from the covariance of all columns.
+    fn state_uncertainty(&self, run: usize, map: &mut TimeMap, covariance: &Matrix) {
+        let rate = self.rate(run);
+        map.rate_sigma = covariance[(rate, rate)].max(0.0).sqrt();
+        let (first, legs) = &self.runs[run];
+        for (column, &leg) in (*first..).zip(legs) {
+            map.offset_sigmas_s[leg] = covariance[(column, column)].max(0.0).sqrt();
+            map.offset_rate_covariances_s[leg] = covariance[(column, rate)];
+        }
+    }
 }
 
 /// Identifies the parameters of a model from runs of one machine in one state.
@@ -247,7 +259,8 @@ impl Fit<'_> {
             }
             let triangle = self.factor(detail)?;
             let floor = self.floor(triangle.rows());
-            let solution = solve::solve(&triangle, Truncation::Effect(floor))?;
+            let spectrum = Spectrum::with_references(&triangle, &self.references(&triangle))?;
+            let solution = spectrum.solve(Truncation::Effect(floor));
             self.refuse_deficient(&solution)?;
             let step = solution.x().to_vec();
             let change = triangle.r().times_vector(&step);
@@ -258,7 +271,6 @@ impl Fit<'_> {
             let rows = triangle.rows() as f64;
             // Rows are in units of the assumed noise: their rms corrects it.
             let scatter = solution.residual_norm() / rows.sqrt();
-            if std::env::var_os("DBG").is_some() { eprintln!("step {steps} {detail:?} change {:.3e} scatter {:.4} sigma {:.3e} rank {} rate {:?} rows {}", change / rows.sqrt(), scatter, self.sigma_mm, solution.rank(), self.runs[0].alignment.time_map.rate, triangle.rows()); }
             let settled = steps > CHOOSING_STEPS || self.taking_part == residuals::taking_part(&self.runs);
             if settled && change / rows.sqrt() < NEGLIGIBLE * scatter.max(1e-12) {
                 self.sigma_mm *= scatter;
@@ -278,9 +290,25 @@ impl Fit<'_> {
         .hint("look at the aligned samples; the log may be of another program, or choose fewer terms"))
     }
 
+    /// Norms against which a column may vanish by cancellation: the longest of the same unit. Columns of
+    /// time stand for themselves.
+    fn references(&self, triangle: &Triangle) -> Vec<f64> {
+        let norms = triangle.r().column_norms();
+        let parameters = self.model.parameters();
+        let longest = |unit: &str| {
+            let of_unit = parameters.iter().zip(&norms).filter(|(p, _)| p.unit == unit);
+            of_unit.map(|(_, norm)| *norm).fold(0.0, f64::max)
+        };
+        let mut references = vec![0.0; self.columns.total];
+        for (reference, parameter) in references.iter_mut().zip(parameters) {
+            *reference = longest(parameter.unit);
+        }
+        references
+    }
+
     /// Singular values below this are not observed.
     fn floor(&self, rows: usize) -> f64 {
-        let typical = SEEN_UM * 1e-3 / self.sigma_mm * (rows as f64).sqrt();
+        let typical = SEEN_UM * 1e-3 / self.options.noise_mm * (rows as f64).sqrt();
         SEEN_SIGMAS / typical
     }
 
@@ -346,21 +374,19 @@ impl Fit<'_> {
 
     /// Takes a step in coefficients and time maps.
     fn apply(&mut self, step: &[f64], time_share: f64, solution: &Solution) {
-        let sigmas = solve::standard_deviations(&solution.covariance_unscaled());
+        let covariance = solution.covariance_unscaled();
         for (value, change) in self.values.iter_mut().zip(step) {
             *value += change;
         }
         for (index, run) in self.runs.iter_mut().enumerate() {
             let map = &mut run.alignment.time_map;
-            let rate = self.columns.rate(index);
-            map.rate += time_share * step[rate];
-            map.rate_sigma = sigmas[rate];
+            map.rate += time_share * step[self.columns.rate(index)];
             let (first, legs) = &self.columns.runs[index];
             for (k, &leg) in legs.iter().enumerate() {
                 // No step beyond a few seconds: far from the truth the derivative is not to be trusted.
                 map.offsets_s[leg] += time_share * step[first + k].clamp(-3.0, 3.0);
-                map.offset_sigmas_s[leg] = sigmas[first + k];
             }
+            self.columns.state_uncertainty(index, map, &covariance);
             run.alignment.place_samples();
         }
     }
@@ -435,12 +461,7 @@ impl Fit<'_> {
         let covariance = outcome.solution.covariance_sandwich(&filtered);
         let sigmas = solve::standard_deviations(&covariance);
         for (index, run) in self.runs.iter_mut().enumerate() {
-            let map = &mut run.alignment.time_map;
-            map.rate_sigma = sigmas[self.columns.rate(index)];
-            let (first, legs) = &self.columns.runs[index];
-            for (k, &leg) in legs.iter().enumerate() {
-                map.offset_sigmas_s[leg] = sigmas[first + k];
-            }
+            self.columns.state_uncertainty(index, &mut run.alignment.time_map, &covariance);
             run.alignment.place_samples();
         }
         let count = self.columns.coefficients;

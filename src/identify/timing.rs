@@ -52,7 +52,7 @@ pub(super) fn view(
     // Where facets do not count, long enough to see over them; where they do, short against one, but not
     // so short that a vertex between this step's time and the next turns the slope at once.
     let step_s = match detail {
-        Detail::Full => 5e-3,
+        Detail::Full => 2e-3,
         Detail::Smooth => 0.2,
     };
     let beside = |sign: f64| {

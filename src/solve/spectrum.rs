@@ -8,21 +8,14 @@
 //! how much of a row's worth of effect is left when the coefficients move along that direction. Without
 //! the scaling it would depend on whether an angle is given in radians or in arc seconds.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::svd::{self, ComputeSvdVectors};
-use faer::{Mat, Par};
-
 use super::matrix::{dot, norm};
 use super::null_space::{NullDirection, sparse_basis};
+use super::svd::Decomposition;
 use super::{Matrix, Triangle, Truncation};
-use crate::{Error, Result};
+use crate::Result;
 
 /// A column shorter than this part of its reference has vanished: only rounding is left in it.
 pub const VANISHED: f64 = 1e-13;
-
-/// How far the squared singular values may sum up to something else than the squared Frobenius norm,
-/// relative to it. Sound decompositions stay below 1e-14.
-const FROBENIUS_TOLERANCE: f64 = 1e-10;
 
 /// The singular value decomposition of the scaled triangle, together with the right-hand side.
 #[derive(Debug, Clone, PartialEq)]
@@ -207,63 +200,6 @@ impl Triangle {
         Ok(match (s.first(), s.last()) {
             (Some(first), Some(last)) => first / last,
             _ => 1.0,
-        })
-    }
-}
-
-/// `A = U S V^T` of a square matrix.
-struct Decomposition {
-    singular_values: Vec<f64>,
-    u: Matrix,
-    v: Matrix,
-}
-
-impl Decomposition {
-    fn of(a: &Matrix) -> Result<Self> {
-        let n = a.columns();
-        let failed = |why: &str| {
-            Error::new(
-                crate::error::Kind::Undetermined,
-                format!("the singular values of {n} columns cannot be computed: {why}"),
-            )
-        };
-        let matrix = Mat::from_fn(n, n, |i, k| a[(i, k)]);
-        let (mut u, mut v) = (Mat::zeros(n, n), Mat::zeros(n, n));
-        let mut s = faer::diag::Diag::zeros(n);
-        let thin = ComputeSvdVectors::Thin;
-        let mut scratch = MemBuffer::new(svd::svd_scratch::<f64>(
-            n,
-            n,
-            thin,
-            thin,
-            Par::Seq,
-            faer::Spec::default(),
-        ));
-        svd::svd(
-            matrix.as_ref(),
-            s.as_mut(),
-            Some(u.as_mut()),
-            Some(v.as_mut()),
-            Par::Seq,
-            MemStack::new(&mut scratch),
-            faer::Spec::default(),
-        )
-        .map_err(|_| failed("no convergence"))?;
-        let singular_values: Vec<f64> = (0..n).map(|i| s[i]).collect();
-
-        // Free of charge, and it catches every decomposition that went wrong without saying so.
-        let of_values = norm(singular_values.iter().copied());
-        let of_matrix = norm((0..n).flat_map(|i| a.row(i).iter().copied()));
-        let agree = (of_values - of_matrix).abs() <= FROBENIUS_TOLERANCE / 2.0 * of_matrix;
-        if !agree {
-            return Err(failed(
-                "their squares do not sum to the squares of the matrix",
-            ));
-        }
-        Ok(Self {
-            singular_values,
-            u: Matrix::from_fn(n, n, |i, k| u[(i, k)]),
-            v: Matrix::from_fn(n, n, |i, k| v[(i, k)]),
         })
     }
 }

@@ -11,75 +11,9 @@
 //!
 //! `R^T R = J^T J`, yet `J^T J` is never formed: its rounding alone loses half of the digits.
 
-use super::Matrix;
 use super::fold::{CHUNK, Fold};
+use super::{Matrix, Triangle};
 use crate::{Error, Result};
-
-/// The triangle that stands for all rows of a least-squares problem `min |J x - e|`.
-///
-/// With `n` columns and any number of rows, `J^T J = R^T R`, `J^T e = R^T c` and
-/// `|e|^2 = |c|^2 + rho^2`: everything that a solution, its residual and its covariance need.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Triangle {
-    pub(super) r: Matrix,
-    pub(super) q_t_rhs: Vec<f64>,
-    pub(super) residual_norm: f64,
-    pub(super) rows: usize,
-}
-
-impl Triangle {
-    /// `R`, `n x n`, zero below the diagonal. Element `(i, k)` has the unit of column `k`.
-    ///
-    /// Its diagonal may have either sign and is no test of the rank; [`Spectrum`](super::Spectrum) is.
-    pub fn r(&self) -> &Matrix {
-        &self.r
-    }
-
-    /// `c`, the first `n` elements of `Q^T e`, in the unit of the right-hand side.
-    pub fn q_t_rhs(&self) -> &[f64] {
-        &self.q_t_rhs
-    }
-
-    /// `rho`, the part of the right-hand side outside the `n` rows of `R`, in its unit.
-    ///
-    /// It is the norm of the residual when all columns are independent, and a lower bound of it
-    /// otherwise: [`Solution::residual_norm`](super::Solution::residual_norm) is right in both cases.
-    pub fn residual_norm(&self) -> f64 {
-        self.residual_norm
-    }
-
-    /// How many rows were pushed, priors included.
-    pub fn rows(&self) -> usize {
-        self.rows
-    }
-
-    /// Number of columns `n`, without the right-hand side.
-    pub fn columns(&self) -> usize {
-        self.r.columns()
-    }
-
-    /// The triangle of the same rows with only the given columns, in the given order.
-    ///
-    /// It costs one `n x n` factorisation, not a pass over the data, so trying models is cheap.
-    ///
-    /// # Panics
-    ///
-    /// If a column does not exist.
-    pub fn select(&self, columns: &[usize]) -> Result<Self> {
-        let mut narrow = Tsqr::new(columns.len());
-        let mut row = vec![0.0; columns.len()];
-        for i in 0..self.columns() {
-            for (value, &k) in row.iter_mut().zip(columns) {
-                *value = self.r[(i, k)];
-            }
-            narrow.push(&row, self.q_t_rhs[i]);
-        }
-        row.fill(0.0);
-        narrow.push(&row, self.residual_norm);
-        narrow.rows = self.rows;
-        narrow.finish()
-    }
-}
 
 /// Takes the rows of a least-squares problem and keeps only their triangle.
 ///
