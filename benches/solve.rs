@@ -32,12 +32,10 @@ fn fold(data: &[f64], columns: usize) -> Tsqr {
 #[divan::bench(args = [(100_000, 40), (1_000_000, 40), (100_000, 100)], sample_count = 7)]
 fn rows_to_solution(bencher: Bencher, (rows, columns): (usize, usize)) {
     let data = data(rows, columns);
-    bencher
-        .counter(ItemsCount::new(rows))
-        .bench(|| -> Option<Solution> {
-            let triangle = fold(&data, columns).finish().ok()?;
-            solve(&triangle, Truncation::Relative(1e-10)).ok()
-        });
+    bencher.counter(ItemsCount::new(rows)).bench(|| -> Option<Solution> {
+        let triangle = fold(&data, columns).finish().ok()?;
+        solve(&triangle, Truncation::Relative(1e-10)).ok()
+    });
 }
 
 /// Singular values, solution and covariance of a triangle, without the pass over the rows.

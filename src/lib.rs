@@ -3,6 +3,7 @@
 pub mod align;
 pub mod error;
 pub mod identify;
+mod input;
 pub mod log;
 pub mod machine;
 pub mod model;

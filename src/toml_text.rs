@@ -11,11 +11,7 @@ use crate::error::{Error, Place, Result};
 
 /// Reads a text file for [`Text`].
 pub(crate) fn read(file: &Path) -> Result<String> {
-    let bytes = std::fs::read(file).map_err(|error| {
-        Error::input(format!("cannot read the file: {error}"))
-            .at(Place::file(file))
-            .hint("check the path; paths inside a test file are relative to that file")
-    })?;
+    let bytes = crate::input::read(file, "file")?;
     String::from_utf8(bytes).map_err(|_| {
         Error::input("the file is not UTF-8 text")
             .at(Place::file(file))
@@ -68,7 +64,13 @@ impl Text<'_> {
     }
 
     /// A number within bounds.
-    pub(crate) fn within(&self, value: &Spanned<f64>, key: &str, low: f64, high: f64) -> Result<f64> {
+    pub(crate) fn within(
+        &self,
+        value: &Spanned<f64>,
+        key: &str,
+        low: f64,
+        high: f64,
+    ) -> Result<f64> {
         let number = *value.get_ref();
         if (low..=high).contains(&number) {
             return Ok(number);
@@ -78,7 +80,11 @@ impl Text<'_> {
     }
 
     /// Three finite numbers.
-    pub(crate) fn finite_vector(&self, value: &Spanned<[f64; 3]>, key: &str) -> Result<Vector3<f64>> {
+    pub(crate) fn finite_vector(
+        &self,
+        value: &Spanned<[f64; 3]>,
+        key: &str,
+    ) -> Result<Vector3<f64>> {
         let numbers = *value.get_ref();
         if numbers.iter().all(|number| number.is_finite()) {
             return Ok(Vector3::from(numbers));

@@ -140,11 +140,7 @@ fn cholesky(a: &Matrix, b: &[f64]) -> Vec<f64> {
         for k in 0..=i {
             let sum: f64 = (0..k).map(|j| l[(i, j)] * l[(k, j)]).sum();
             let left = a[(i, k)] - sum;
-            l[(i, k)] = if i == k {
-                left.sqrt()
-            } else {
-                left / l[(k, k)]
-            };
+            l[(i, k)] = if i == k { left.sqrt() } else { left / l[(k, k)] };
         }
         x[i] = (x[i] - (0..i).map(|j| l[(i, j)] * x[j]).sum::<f64>()) / l[(i, i)];
     }
@@ -158,17 +154,8 @@ fn cholesky(a: &Matrix, b: &[f64]) -> Vec<f64> {
 fn truncated_solution_is_the_shortest_and_its_covariance_the_pseudo_inverse() {
     // Column 2 = column 0 + column 1, all of unit length after scaling; column 3 stands alone.
     let wave = |i: usize, k: usize| (0.37 * (i * (k + 1)) as f64).cos();
-    let row = |i: usize| {
-        vec![
-            wave(i, 0),
-            wave(i, 1),
-            wave(i, 0) + wave(i, 1),
-            1e3 * wave(i, 4),
-        ]
-    };
-    let rows: Vec<_> = (0..2000)
-        .map(|i| (row(i), row(i)[2] + 2e-3 * row(i)[3]))
-        .collect();
+    let row = |i: usize| vec![wave(i, 0), wave(i, 1), wave(i, 0) + wave(i, 1), 1e3 * wave(i, 4)];
+    let rows: Vec<_> = (0..2000).map(|i| (row(i), row(i)[2] + 2e-3 * row(i)[3])).collect();
     let solution = fit(&rows);
     assert_eq!(solution.rank(), 3);
     assert!(solution.residual_norm() < 1e-11);

@@ -60,10 +60,10 @@ pub(super) fn expected(
     let mut open: Option<(f64, usize, bool)> = None;
     let mut before = (0.0, false);
     for block in trajectory.blocks() {
-        if block.kind == BlockKind::Stop {
-            if let Some((_, stops, _)) = &mut open {
-                *stops += 1;
-            }
+        if block.kind == BlockKind::Stop
+            && let Some((_, stops, _)) = &mut open
+        {
+            *stops += 1;
         }
         // Fine enough that no passage through the range of a fast move is missed.
         let travel_mm = block.motion().map_or(0.0, crate::motion::length_mm);
@@ -130,10 +130,13 @@ pub(super) fn pair(
     let duration_s = |stretch: &Range<usize>| {
         log.readings()[stretch.end - 1].time_s - log.readings()[stretch.start].time_s
     };
-    let refuse = |reason: &str| Err(Refusal { log, expected, observed, feed_override }.error(reason));
+    let refuse =
+        |reason: &str| Err(Refusal { log, expected, observed, feed_override }.error(reason));
     let Some(shortest_s) = expected.iter().map(Engagement::duration_s).reduce(f64::min) else {
         return Err(Error::new(Kind::Mismatch, "the program never brings the bar into its range")
-            .hint("check the mounting's `coincidence_mm` and the bar's `length_mm` in the test file"));
+            .hint(
+                "check the mounting's `coincidence_mm` and the bar's `length_mm` in the test file",
+            ));
     };
     let long: Vec<Range<usize>> =
         observed.iter().filter(|s| duration_s(s) > 0.3 * shortest_s).cloned().collect();
@@ -151,7 +154,11 @@ pub(super) fn pair(
             let slack_s = 2.0 * log.sample_period_s();
             let longer = duration_s(stretch) - e.duration_s();
             let longer = if longer < 0.0 { (longer + slack_s).min(0.0) } else { longer };
-            if e.stops > 0 { longer.min(0.0).abs() / e.duration_s() } else { longer.abs() / e.duration_s() }
+            if e.stops > 0 {
+                longer.min(0.0).abs() / e.duration_s()
+            } else {
+                longer.abs() / e.duration_s()
+            }
         };
         window.iter().zip(expected).map(off).fold(0.0, f64::max)
     };
@@ -198,7 +205,8 @@ impl Refusal<'_> {
         };
         let mut what = format!("the log does not belong to the program: {reason}");
         let stops: usize = self.expected.iter().map(|e| e.stops).sum();
-        let plus = if stops > 0 { format!(" plus {stops} operator's pause(s)") } else { String::new() };
+        let plus =
+            if stops > 0 { format!(" plus {stops} operator's pause(s)") } else { String::new() };
         let _ = write!(
             what,
             "\n  program engages for (s): {}{plus}\n  log reads for (s):       {}\n  program |{}|\n  log     |{}| {:.0} s",
@@ -214,7 +222,8 @@ impl Refusal<'_> {
             observed.iter().map(|(a, b)| b - a).sum(),
         );
         let percent = 100.0 * self.feed_override * program_s / log_s;
-        if self.expected.len() == observed.len() && stops == 0 && (30.0..=200.0).contains(&percent) {
+        if self.expected.len() == observed.len() && stops == 0 && (30.0..=200.0).contains(&percent)
+        {
             error.hint(format!(
                 "take the program that ran; if the feed override stood at about {percent:.0} %, say `feed_override_percent = {percent:.0}` in the run"
             ))
@@ -229,7 +238,8 @@ fn timeline(spans: &[(f64, f64)], end_s: f64) -> String {
     const WIDTH: usize = 60;
     (0..WIDTH)
         .map(|k| {
-            let (low, high) = (end_s * k as f64 / WIDTH as f64, end_s * (k + 1) as f64 / WIDTH as f64);
+            let (low, high) =
+                (end_s * k as f64 / WIDTH as f64, end_s * (k + 1) as f64 / WIDTH as f64);
             if spans.iter().any(|(a, b)| *a < high && *b > low) { '#' } else { '.' }
         })
         .collect()

@@ -72,11 +72,8 @@ pub(super) fn mark(
         .take_while(|r| (r.time_s - edge_log_s).abs() < ramp_s + period_s + 1.0)
         .filter_map(|r| r.deviation_mm)
         .collect();
-    let offset_mm = if settled.is_empty() {
-        0.0
-    } else {
-        settled.iter().sum::<f64>() / settled.len() as f64
-    };
+    let offset_mm =
+        if settled.is_empty() { 0.0 } else { settled.iter().sum::<f64>() / settled.len() as f64 };
     let sign = if deviation_mm(edge_program_s) > 0.0 { 1.0 } else { -1.0 };
     let mut sum = (0.0, 0.0, 0.0);
     let mut samples = 0;
@@ -91,7 +88,8 @@ pub(super) fn mark(
         let program_s = bisect(edge_program_s, foot_s, level_mm, &deviation_mm);
         let speed_mm_s =
             ((deviation_mm(program_s + 1e-4) - deviation_mm(program_s - 1e-4)) / 2e-4).abs();
-        let sigma_s = (bar.noise_mm.hypot(bar.resolution_mm) / speed_mm_s.max(1e-3)).hypot(FOLLOWING_S);
+        let sigma_s =
+            (bar.noise_mm.hypot(bar.resolution_mm) / speed_mm_s.max(1e-3)).hypot(FOLLOWING_S);
         let weight = 1.0 / (sigma_s * sigma_s);
         sum = (sum.0 + weight, sum.1 + weight * reading.time_s, sum.2 + weight * program_s);
         samples += 1;

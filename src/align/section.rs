@@ -138,6 +138,9 @@ pub(super) fn sections(
     sections
 }
 
+/// A few dozen points of a section: enough for its plane, few enough that rounding does not show.
+const POINTS: usize = 48;
+
 /// The section of blocks `begin..end`; `None` where it is too short to have a plane.
 fn section(
     trajectory: &Trajectory,
@@ -148,8 +151,6 @@ fn section(
     let blocks = &trajectory.blocks()[begin..end];
     let start_s = blocks.first()?.start_s;
     let end_s = blocks.last().map(|last| last.start_s + last.duration_s)?;
-    // A few dozen points: enough for the plane, few enough that rounding does not show.
-    const POINTS: usize = 48;
     let points: Vec<Vector3<f64>> = (0..=POINTS)
         .map(|k| {
             let share = 1e-9 + (1.0 - 2e-9) * k as f64 / POINTS as f64;
@@ -178,12 +179,14 @@ fn section(
         // Its lower end, seen from above, gives the azimuth; that below 180 degrees is the name.
         let plane_deg = (-normal.x).atan2(normal.y).to_degrees();
         let azimuth_deg = plane_deg.rem_euclid(180.0);
-        let azimuth_deg = if azimuth_deg > 179.9 { 0.0 } else { (azimuth_deg * 10.0).round() / 10.0 };
+        let azimuth_deg =
+            if azimuth_deg > 179.9 { 0.0 } else { (azimuth_deg * 10.0).round() / 10.0 };
         let (sin, cos) = azimuth_deg.to_radians().sin_cos();
         // Forward turns the azimuth's direction towards the pole.
         (Circle::Meridian { azimuth_deg }, Vector3::new(sin, -cos, 0.0).dot(&normal) > 0.0)
     } else {
-        let upwards = normal.z > 1e-6 || (normal.z.abs() <= 1e-6 && normal.x + 0.5 * normal.y > 0.0);
+        let upwards =
+            normal.z > 1e-6 || (normal.z.abs() <= 1e-6 && normal.x + 0.5 * normal.y > 0.0);
         let axis = if upwards { normal } else { -normal };
         let from = if upwards { first } else { last };
         let zero = radius(from).try_normalize(1e-9)?;

@@ -14,7 +14,13 @@ const MOST_CELLS: f64 = 1500.0;
 /// pause. Of all ways to distribute it, the one is taken in whose pauses the reading scatters least
 /// about its mean; because the sum is fixed, every wrong distribution puts some motion into a pause.
 /// Exact minimum by dynamic programming over (pause, time spent in pauses so far).
-pub(super) fn pauses_s(log: &Log, engaged: &Range<usize>, start_s: f64, stretches_s: &[f64], end_s: f64) -> Vec<f64> {
+pub(super) fn pauses_s(
+    log: &Log,
+    engaged: &Range<usize>,
+    start_s: f64,
+    stretches_s: &[f64],
+    end_s: f64,
+) -> Vec<f64> {
     let pauses = stretches_s.len() - 1;
     let spare_s = (end_s - start_s - stretches_s.iter().sum::<f64>()).max(0.0);
     let cell_s = log.sample_period_s().max(spare_s / MOST_CELLS);
@@ -29,14 +35,11 @@ pub(super) fn pauses_s(log: &Log, engaged: &Range<usize>, start_s: f64, stretche
         elapsed_s += stretches_s[pause];
         let begin = (elapsed_s / cell_s).round() as usize;
         let mut next = vec![f64::INFINITY; cells + 1];
-        for before in 0..=cells {
-            if best[before].is_infinite() {
-                continue;
-            }
+        for (before, so_far) in best.iter().enumerate().filter(|(_, cost)| cost.is_finite()) {
             // The last pause takes all that is left.
             let first = if pause + 1 == pauses { cells } else { before };
             for after in first..=cells {
-                let cost = best[before] + scatter.of(begin + before, begin + after);
+                let cost = so_far + scatter.of(begin + before, begin + after);
                 if cost < next[after] {
                     next[after] = cost;
                     came_from[pause][after] = before;
@@ -65,7 +68,11 @@ struct Scatter {
 impl Scatter {
     fn new(log: &Log, engaged: &Range<usize>, start_s: f64, end_s: f64, cell_s: f64) -> Self {
         let cells = ((end_s - start_s) / cell_s).ceil() as usize + 2;
-        let mut of = Self { count: vec![0.0; cells + 1], sum: vec![0.0; cells + 1], squares: vec![0.0; cells + 1] };
+        let mut of = Self {
+            count: vec![0.0; cells + 1],
+            sum: vec![0.0; cells + 1],
+            squares: vec![0.0; cells + 1],
+        };
         for reading in &log.readings()[engaged.clone()] {
             let Some(value) = reading.deviation_mm else { continue };
             let cell = ((reading.time_s - start_s) / cell_s).floor().max(0.0) as usize;

@@ -98,8 +98,7 @@ impl TimeMap {
             if sum.0 > 0.0 {
                 let time = sum.1 / sum.0;
                 self.offsets_s[leg] = sum.2 / sum.0 + self.rate * time;
-                self.offset_sigmas_s[leg] =
-                    sum.0.sqrt().recip().hypot(self.rate_sigma * time);
+                self.offset_sigmas_s[leg] = sum.0.sqrt().recip().hypot(self.rate_sigma * time);
                 self.offset_rate_covariances_s[leg] = self.rate_sigma.powi(2) * time;
             }
         }

@@ -8,8 +8,7 @@ use crate::model::{Model, Parameter};
 use crate::plan::Loss;
 use crate::solve::{
     self, Autocovariances, BackwardFilter, Matrix, NoiseModel, NullDirection, Solution, Spectrum,
-    Triangle,
-    Truncation, Tsqr,
+    Triangle, Truncation, Tsqr,
 };
 
 /// A direction is observed when a combination of errors of this size each (rms over the measured
@@ -271,7 +270,8 @@ impl Fit<'_> {
             let rows = triangle.rows() as f64;
             // Rows are in units of the assumed noise: their rms corrects it.
             let scatter = solution.residual_norm() / rows.sqrt();
-            let settled = steps > CHOOSING_STEPS || self.taking_part == residuals::taking_part(&self.runs);
+            let settled =
+                steps > CHOOSING_STEPS || self.taking_part == residuals::taking_part(&self.runs);
             if settled && change / rows.sqrt() < NEGLIGIBLE * scatter.max(1e-12) {
                 self.sigma_mm *= scatter;
                 return Ok(Outcome { solution, floor, steps });
@@ -287,7 +287,9 @@ impl Fit<'_> {
             Kind::Undetermined,
             format!("the fit does not settle within {MOST_STEPS} steps"),
         )
-        .hint("look at the aligned samples; the log may be of another program, or choose fewer terms"))
+        .hint(
+            "look at the aligned samples; the log may be of another program, or choose fewer terms",
+        ))
     }
 
     /// Norms against which a column may vanish by cancellation: the longest of the same unit. Columns of
@@ -322,7 +324,14 @@ impl Fit<'_> {
                     continue;
                 }
                 let weight = self.weights.as_ref().map_or(1.0, |weights| weights[index][k]);
-                let view = timing::view(self.model, &self.values, run, sample, detail, self.options.nominal_mm);
+                let view = timing::view(
+                    self.model,
+                    &self.values,
+                    run,
+                    sample,
+                    detail,
+                    self.options.nominal_mm,
+                );
                 self.fill_row(&mut row, index, sample, view.speed_mm_s);
                 rows.push_weighted(&row, view.residual_mm, weight.sqrt() / self.sigma_mm);
             }
@@ -331,7 +340,13 @@ impl Fit<'_> {
         rows.finish()
     }
 
-    fn fill_row(&self, row: &mut [f64], index: usize, sample: &crate::align::Sample, speed_mm_s: f64) {
+    fn fill_row(
+        &self,
+        row: &mut [f64],
+        index: usize,
+        sample: &crate::align::Sample,
+        speed_mm_s: f64,
+    ) {
         row.fill(0.0);
         let run = &self.runs[index];
         let situation = self.model.situation(&sample.pose, run.mounting);
@@ -446,7 +461,8 @@ impl Fit<'_> {
     /// Noise model, covariance, and everything that is told.
     fn finish(mut self, outcome: &Outcome, steps: usize) -> Result<Identification> {
         let records = self.records();
-        let used: Vec<f64> = records.iter().flatten().filter(|r| r.used).map(|r| r.residual_mm).collect();
+        let used: Vec<f64> =
+            records.iter().flatten().filter(|r| r.used).map(|r| r.residual_mm).collect();
         let rms_mm = residuals::rms(&used);
         let mut covariances = Autocovariances::new(NOISE_ORDER);
         for (run, records) in self.runs.iter().zip(&records) {
@@ -456,7 +472,8 @@ impl Fit<'_> {
             }
         }
         let freedom = used.len().saturating_sub(outcome.solution.rank()).max(1) as f64;
-        let noise = NoiseModel::fit(&covariances, NOISE_ORDER)?.scaled((used.len() as f64 / freedom).sqrt());
+        let noise = NoiseModel::fit(&covariances, NOISE_ORDER)?
+            .scaled((used.len() as f64 / freedom).sqrt());
         let filtered = self.filtered(&records, &noise)?;
         let covariance = outcome.solution.covariance_sandwich(&filtered);
         let sigmas = solve::standard_deviations(&covariance);
@@ -519,7 +536,9 @@ impl Fit<'_> {
                     .speed_mm_s;
                     self.fill_row(&mut row, index, sample, speed);
                     let weight = records[index][k].weight / (self.sigma_mm * self.sigma_mm);
-                    row.iter_mut().for_each(|value| *value *= weight);
+                    for value in &mut row {
+                        *value *= weight;
+                    }
                     rows.push(filter.push(&row), 0.0);
                 }
             }

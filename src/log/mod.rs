@@ -58,17 +58,11 @@ impl Log {
 
     /// Takes over readings for which the reader has established what [`Log`] promises.
     fn new(file: &Path, readings: Vec<Reading>) -> Self {
-        let mut steps: Vec<f64> = readings
-            .windows(2)
-            .map(|pair| pair[1].time_s - pair[0].time_s)
-            .collect();
+        let mut steps: Vec<f64> =
+            readings.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
         let middle = steps.len() / 2;
         let period_s = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
-        Self {
-            file: file.to_path_buf(),
-            readings,
-            period_s,
-        }
+        Self { file: file.to_path_buf(), readings, period_s }
     }
 
     /// The file it was read from, as the user named it.

@@ -1,13 +1,12 @@
 //! From the content of a file to a [`Log`], or to the line that is wrong.
 
-use std::borrow::Cow;
-use std::io::{ErrorKind, Read};
 use std::ops::Range;
 use std::path::Path;
 
 use super::text::{Line, Numbers, quote, split};
 use super::{Delimiter, Format, Log, Reading, ReadingColumn, ReadingKind, TimeColumn, TimeUnit};
 use crate::error::{Error, Place, Result};
+use crate::input;
 
 /// No telescoping ball-bar reaches further than a few mm; beyond this the unit is wrong.
 const LARGEST_DEVIATION_MM: f64 = 10.0;
@@ -30,33 +29,20 @@ const EXPORT: &str = "a log is text in UTF-8, plain or gzipped: export it as CSV
 
 /// Reads a log.
 pub fn read(file: &Path, format: &Format) -> Result<Log> {
-    let bytes = std::fs::read(file).map_err(|e| {
-        let error = Error::input(format!("cannot read the log: {e}")).at(Place::file(file));
-        match e.kind() {
-            ErrorKind::NotFound => error.hint("check the path of the log"),
-            ErrorKind::IsADirectory => error.hint("name a log, not the directory it is in"),
-            _ => error,
-        }
-    })?;
+    let bytes = input::read(file, "log")?;
     read_bytes(&bytes, file, format)
 }
 
 /// Reads a log from the content of a file; `file` is only named in messages and in the log.
 pub fn read_bytes(bytes: &[u8], file: &Path, format: &Format) -> Result<Log> {
     check_format(format)?;
-    let bytes = inflate(bytes, file)?;
+    let bytes = input::inflate(bytes.to_vec(), file, "log")?;
     let text = as_text(&bytes, file)?;
-    let mut lines = (1..)
-        .zip(text.lines())
-        .map(|(number, text)| Line { number, text });
+    let mut lines = (1..).zip(text.lines()).map(|(number, text)| Line { number, text });
 
-    let header = lines
-        .find(|line| !line.is_comment() && !line.is_blank())
-        .ok_or_else(|| {
-            Error::input("the log is empty")
-                .at(Place::file(file))
-                .hint("was the capture saved?")
-        })?;
+    let header = lines.find(|line| !line.is_comment() && !line.is_blank()).ok_or_else(|| {
+        Error::input("the log is empty").at(Place::file(file)).hint("was the capture saved?")
+    })?;
     let table = Table::new(file, header, format)?;
     let readings = table.rows(lines)?;
 
@@ -101,32 +87,11 @@ fn check_format(format: &Format) -> Result<()> {
         _ => {}
     }
     match format.reading.kind {
-        ReadingKind::Length { nominal_mm } if !(nominal_mm.is_finite() && nominal_mm > 0.0) => Err(
-            Error::input(format!("a bar cannot be {nominal_mm} mm long"))
-                .hint("readings of kind \"length\" need the nominal length of the bar"),
-        ),
-        _ => Ok(()),
-    }
-}
-
-/// Unpacks gzip, which is known by its first two bytes: instruments and mail programs rename files.
-fn inflate<'a>(bytes: &'a [u8], file: &Path) -> Result<Cow<'a, [u8]>> {
-    if !bytes.starts_with(&[0x1f, 0x8b]) {
-        return Ok(Cow::Borrowed(bytes));
-    }
-    let mut plain = Vec::new();
-    // Several members in one file are legal, and what appending to a compressed log gives.
-    match flate2::read::MultiGzDecoder::new(bytes).read_to_end(&mut plain) {
-        Ok(_) => Ok(Cow::Owned(plain)),
-        Err(e) => {
-            let what = match e.kind() {
-                ErrorKind::UnexpectedEof => "the gzipped log is truncated".to_owned(),
-                _ => format!("the gzipped log is corrupt: {e}"),
-            };
-            Err(Error::input(what)
-                .at(Place::file(file))
-                .hint("copy it again from the instrument; `gzip -t` tells whether it is whole"))
+        ReadingKind::Length { nominal_mm } if !(nominal_mm.is_finite() && nominal_mm > 0.0) => {
+            Err(Error::input(format!("a bar cannot be {nominal_mm} mm long"))
+                .hint("readings of kind \"length\" need the nominal length of the bar"))
         }
+        _ => Ok(()),
     }
 }
 
@@ -139,27 +104,16 @@ fn as_text<'a>(bytes: &'a [u8], file: &Path) -> Result<&'a str> {
         },
         Err(e) => {
             let at = e.valid_up_to();
-            (
-                at,
-                format!("the log is not UTF-8: byte 0x{:02X}", bytes[at]),
-            )
+            (at, format!("the log is not UTF-8: byte 0x{:02X}", bytes[at]))
         }
     };
     let number = bytes[..wrong].split(|&b| b == b'\n').count();
-    let start = bytes[..wrong]
-        .iter()
-        .rposition(|&b| b == b'\n')
-        .map_or(0, |i| i + 1);
+    let start = bytes[..wrong].iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
     let rest = &bytes[start..];
     let end = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
-    let column = String::from_utf8_lossy(&rest[..wrong - start])
-        .chars()
-        .count()
-        + 1;
+    let column = String::from_utf8_lossy(&rest[..wrong - start]).chars().count() + 1;
     let shown = String::from_utf8_lossy(&rest[..end]);
-    Err(Error::input(what)
-        .at(Place::span(file, number, column, 1, &shown))
-        .hint(EXPORT))
+    Err(Error::input(what).at(Place::span(file, number, column, 1, &shown)).hint(EXPORT))
 }
 
 /// Where the time of a row comes from.
@@ -211,10 +165,9 @@ impl<'a> Table<'a> {
             delimiter,
             width: fields.len(),
             clock: match &format.time {
-                TimeColumn::Named { name, unit } => Clock::Column {
-                    index: find(name)?,
-                    unit: *unit,
-                },
+                TimeColumn::Named { name, unit } => {
+                    Clock::Column { index: find(name)?, unit: *unit }
+                }
                 TimeColumn::Rate { hz } => Clock::Rate { hz: *hz },
             },
             reading: find(&format.reading.name)?,
@@ -248,11 +201,8 @@ impl<'a> Table<'a> {
                         .parse(written, |value| unit.to_s(value))
                         .map_err(|fault| fail(fault.what).hint(fault.hint.unwrap_or(PLAIN_TIME)))?;
                     if let Some(last) = readings.last().filter(|last| time_s <= last.time_s) {
-                        let verb = if time_s < last.time_s {
-                            "goes back behind"
-                        } else {
-                            "repeats"
-                        };
+                        let verb =
+                            if time_s < last.time_s { "goes back behind" } else { "repeats" };
                         let unit = unit.name();
                         return Err(fail(format!(
                             "time {written} {unit} {verb} {earlier} {unit} of line {}",
@@ -265,11 +215,7 @@ impl<'a> Table<'a> {
                 }
             };
             let deviation_mm = self.deviation_mm(line, &fields[self.reading], &mut numbers)?;
-            readings.push(Reading {
-                time_s,
-                deviation_mm,
-                line: line.number,
-            });
+            readings.push(Reading { time_s, deviation_mm, line: line.number });
         }
         Ok(readings)
     }
@@ -291,10 +237,9 @@ impl<'a> Table<'a> {
             .map_err(|fault| fail(fault.what).hint(fault.hint.unwrap_or(PLAIN_READING)))?;
         let (deviation_mm, kind) = match *kind {
             ReadingKind::Deviation => (value_mm, "\"deviation\"".to_owned()),
-            ReadingKind::Length { nominal_mm } => (
-                value_mm - nominal_mm,
-                format!("\"length\" (nominal {nominal_mm} mm)"),
-            ),
+            ReadingKind::Length { nominal_mm } => {
+                (value_mm - nominal_mm, format!("\"length\" (nominal {nominal_mm} mm)"))
+            }
         };
         if deviation_mm.abs() <= LARGEST_DEVIATION_MM {
             return Ok(Some(deviation_mm));
@@ -354,14 +299,12 @@ fn find_column(file: &Path, header: Line, fields: &[Range<usize>], wanted: &str)
     match found.as_slice() {
         [one] => Ok(*one),
         [] if (0..fields.len()).all(|i| name(i).is_empty() || name(i).parse::<f64>().is_ok()) => {
-            Err(
-                Error::input("the log has no header: its first line holds numbers")
-                    .at(Place::line(file, header.number, header.text))
-                    .hint(
-                        "write the names of the columns above them, in a line that does not begin \
+            Err(Error::input("the log has no header: its first line holds numbers")
+                .at(Place::line(file, header.number, header.text))
+                .hint(
+                    "write the names of the columns above them, in a line that does not begin \
                      with `#`",
-                    ),
-            )
+                ))
         }
         [] => {
             let names = (0..fields.len()).map(name).filter(|name| !name.is_empty());
@@ -390,9 +333,5 @@ fn find_column(file: &Path, header: Line, fields: &[Range<usize>], wanted: &str)
 
 /// A length for a message: micrometres matter in it only when it is small.
 fn short(mm: f64) -> String {
-    if mm.abs() < 1e6 {
-        format!("{mm:.3}")
-    } else {
-        format!("{mm:.3e}")
-    }
+    if mm.abs() < 1e6 { format!("{mm:.3}") } else { format!("{mm:.3e}") }
 }

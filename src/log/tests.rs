@@ -36,17 +36,11 @@ fn caret(error: &Error) -> (usize, usize, usize) {
 
 /// Times in s and deviations in mm.
 fn samples(log: &Log) -> Vec<(f64, Option<f64>)> {
-    log.readings()
-        .iter()
-        .map(|r| (r.time_s, r.deviation_mm))
-        .collect()
+    log.readings().iter().map(|r| (r.time_s, r.deviation_mm)).collect()
 }
 
 fn rate(hz: f64) -> Format {
-    Format {
-        time: TimeColumn::Rate { hz },
-        ..Format::default()
-    }
+    Format { time: TimeColumn::Rate { hz }, ..Format::default() }
 }
 
 fn gzip(content: &[u8]) -> Vec<u8> {
@@ -67,10 +61,7 @@ fn plain() -> Vec<(f64, Option<f64>)> {
 fn the_default_format() {
     let log = log(PLAIN);
     assert_eq!(samples(&log), plain());
-    assert_eq!(
-        log.readings().iter().map(|r| r.line).collect::<Vec<_>>(),
-        [2, 3, 4]
-    );
+    assert_eq!(log.readings().iter().map(|r| r.line).collect::<Vec<_>>(), [2, 3, 4]);
     assert_eq!(log.file(), Path::new("run1.csv"));
 }
 
@@ -107,10 +98,7 @@ fn gzip_is_known_by_its_content() {
 fn units() {
     for (unit, scale) in [("s", 1.0), ("ms", 1e3), ("us", 1e6), ("min", 1.0 / 60.0)] {
         let format = Format {
-            time: TimeColumn::Named {
-                name: "t".to_owned(),
-                unit: TimeUnit::parse(unit).unwrap(),
-            },
+            time: TimeColumn::Named { name: "t".to_owned(), unit: TimeUnit::parse(unit).unwrap() },
             ..Format::default()
         };
         let content = format!("t,deviation_um\n0,1\n{},2\n", 120.0 * scale);
@@ -122,16 +110,8 @@ fn units() {
         let read = with(format!("time_s,deviation_um\n0,{value}\n1,\n"), &format).unwrap();
         assert_eq!(read.readings()[0].deviation_mm, Some(0.254), "{unit}");
     }
-    assert!(
-        TimeUnit::NAMES
-            .iter()
-            .all(|n| TimeUnit::parse(n).unwrap().name() == *n)
-    );
-    assert!(
-        LengthUnit::NAMES
-            .iter()
-            .all(|n| LengthUnit::parse(n).unwrap().name() == *n)
-    );
+    assert!(TimeUnit::NAMES.iter().all(|n| TimeUnit::parse(n).unwrap().name() == *n));
+    assert!(LengthUnit::NAMES.iter().all(|n| LengthUnit::parse(n).unwrap().name() == *n));
     assert_eq!(TimeUnit::parse("S"), None);
     assert_eq!(LengthUnit::parse("m"), None);
 }
@@ -155,10 +135,7 @@ fn lengths_lose_the_nominal_length() {
 #[test]
 fn a_rate_counts_samples() {
     let read = with("n,deviation_um\n1,1\n# c\n2,\n3,3\n", &rate(8.0)).unwrap();
-    assert_eq!(
-        samples(&read),
-        [(0.0, Some(0.001)), (0.125, None), (0.25, Some(0.003))]
-    );
+    assert_eq!(samples(&read), [(0.0, Some(0.001)), (0.125, None), (0.25, Some(0.003))]);
 }
 
 #[test]
@@ -184,10 +161,7 @@ fn an_exact_name_wins_over_a_similar_one() {
 
 #[test]
 fn a_delimiter_can_be_given() {
-    let format = Format {
-        delimiter: Some(Delimiter::Semicolon),
-        ..rate(1.0)
-    };
+    let format = Format { delimiter: Some(Delimiter::Semicolon), ..rate(1.0) };
     let read = with("deviation_um\n0,5\n1,5\n", &format).unwrap();
     assert_eq!(read.readings()[1].deviation_mm, Some(0.0015));
 }
@@ -226,10 +200,7 @@ hint: a reading is a plain number; where the bar is out of range, leave the fiel
 fn files_that_cannot_be_read() {
     let dir = tempfile::tempdir().unwrap();
     let file = dir.path().join("run.csv");
-    for (file, part) in [
-        (file.as_path(), "cannot read the log"),
-        (dir.path(), "directory"),
-    ] {
+    for (file, part) in [(file.as_path(), "cannot read the log"), (dir.path(), "directory")] {
         let e = read(file, &Format::default()).unwrap_err();
         assert!(e.what.contains(part), "{e}");
         assert!(e.hint.is_some());
@@ -248,10 +219,7 @@ fn logs_without_data() {
         ("\u{feff}\n# nothing\n\n", "is empty"),
         ("time_s,deviation_um\n# nothing\n", "no samples"),
         ("time_s,deviation_um\n0,1\n", "too short"),
-        (
-            "time_s,deviation_um\n0,\n1,\n2,\n",
-            "out of range in all 3 samples",
-        ),
+        ("time_s,deviation_um\n0,\n1,\n2,\n", "out of range in all 3 samples"),
     ] {
         assert!(error(content).what.contains(part), "{content}");
     }
@@ -286,10 +254,7 @@ fn damaged_gzip() {
 #[test]
 fn columns_that_are_not_there() {
     let e = error("Time;Length\n0;1\n");
-    assert_eq!(
-        e.what,
-        "the log has no column `time_s`; it has `Time`, `Length`"
-    );
+    assert_eq!(e.what, "the log has no column `time_s`; it has `Time`, `Length`");
     assert_eq!(caret(&e), (1, 0, 0));
     let hint = e.hint.unwrap();
     for key in [
@@ -302,11 +267,7 @@ fn columns_that_are_not_there() {
     ] {
         assert!(hint.contains(key), "{key} is not in: {hint}");
     }
-    assert!(
-        error("time_s,um\n0,1\n")
-            .what
-            .contains("no column `deviation_um`")
-    );
+    assert!(error("time_s,um\n0,1\n").what.contains("no column `deviation_um`"));
     let wide: Vec<String> = (0..50).map(|i| format!("c{i}")).collect();
     assert!(error(wide.join(",")).what.ends_with("`c19`, and 30 more"));
     assert!(error("0.0,\n0.1,6.3\n").what.contains("no header"));
@@ -317,11 +278,7 @@ fn columns_that_are_there_twice() {
     let e = error("time_s,deviation_um,deviation_um\n0,1,2\n");
     assert_eq!(e.what, "the log has 2 columns `deviation_um`");
     assert_eq!(caret(&e), (1, 21, 12));
-    assert!(
-        error("time_s,Deviation_um,DEVIATION_UM\n0,1,2\n")
-            .what
-            .contains("2 columns")
-    );
+    assert!(error("time_s,Deviation_um,DEVIATION_UM\n0,1,2\n").what.contains("2 columns"));
 }
 
 #[test]
@@ -383,10 +340,7 @@ fn rows_of_another_width() {
     // A quote that is never closed takes its own line with it, no more.
     let e = error("time_s,deviation_um\n0.0,1\n\"0.1,6\n0.2,3\n");
     assert_eq!(caret(&e).0, 3);
-    assert_eq!(
-        caret(&error_with("deviation_um\n0,5\n", &rate(1.0))),
-        (2, 3, 1)
-    );
+    assert_eq!(caret(&error_with("deviation_um\n0,5\n", &rate(1.0))), (2, 3, 1));
 }
 
 #[test]
@@ -398,10 +352,7 @@ fn deviations_no_bar_can_show() {
     );
     assert_eq!(caret(&e), (3, 3, 8));
     assert!(e.hint.unwrap().contains("`reading_unit` is \"um\""));
-    assert_eq!(
-        log("time_s,deviation_um\n0,10000\n1,\n").readings()[0].deviation_mm,
-        Some(10.0)
-    );
+    assert_eq!(log("time_s,deviation_um\n0,10000\n1,\n").readings()[0].deviation_mm, Some(10.0));
 }
 
 #[test]
@@ -426,26 +377,11 @@ fn assert_promises(result: Result<Log>) {
     let readings = log.readings();
     assert!(readings.len() >= 2);
     assert!(readings.iter().all(|r| r.time_s.is_finite()));
-    assert!(
-        readings
-            .windows(2)
-            .all(|w| w[0].time_s < w[1].time_s && w[0].line < w[1].line)
-    );
-    assert!(
-        readings
-            .iter()
-            .all(|r| r.deviation_mm.is_none_or(|d| d.abs() <= 10.0))
-    );
+    assert!(readings.windows(2).all(|w| w[0].time_s < w[1].time_s && w[0].line < w[1].line));
+    assert!(readings.iter().all(|r| r.deviation_mm.is_none_or(|d| d.abs() <= 10.0)));
     assert!(log.sample_period_s() > 0.0);
-    let inside: usize = log
-        .in_range_intervals()
-        .iter()
-        .map(ExactSizeIterator::len)
-        .sum();
-    assert_eq!(
-        inside,
-        readings.iter().filter(|r| r.deviation_mm.is_some()).count()
-    );
+    let inside: usize = log.in_range_intervals().iter().map(ExactSizeIterator::len).sum();
+    assert_eq!(inside, readings.iter().filter(|r| r.deviation_mm.is_some()).count());
     assert!(inside > 0);
 }
 

@@ -69,11 +69,8 @@ fn content(line: &str, field: Range<usize>) -> Range<usize> {
 /// What a file says, for a message: a file that is no log may hold anything.
 pub(super) fn quote(text: &str) -> String {
     const LONGEST: usize = 40;
-    let mut shown: String = text
-        .chars()
-        .take(LONGEST)
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .collect();
+    let mut shown: String =
+        text.chars().take(LONGEST).map(|c| if c.is_control() { ' ' } else { c }).collect();
     if text.chars().nth(LONGEST).is_some() {
         shown.push('…');
     }
@@ -99,11 +96,7 @@ pub(super) struct Numbers {
 
 impl Numbers {
     pub(super) fn new(delimiter: Delimiter) -> Self {
-        Self {
-            comma_allowed: delimiter != Delimiter::Comma,
-            mark: None,
-            with_point: String::new(),
-        }
+        Self { comma_allowed: delimiter != Delimiter::Comma, mark: None, with_point: String::new() }
     }
 
     /// The number that is written, in the unit that `convert` gives it; always finite.
@@ -131,15 +124,13 @@ impl Numbers {
             }
             if mark == ',' {
                 self.with_point.clear();
-                self.with_point
-                    .extend(written.chars().map(|c| if c == ',' { '.' } else { c }));
+                self.with_point.extend(written.chars().map(|c| if c == ',' { '.' } else { c }));
                 // `1,234.5` would become `1.234.5`, which is no number either.
                 plain = &self.with_point;
             }
         }
-        let value: f64 = plain
-            .parse()
-            .map_err(|_| fault(format!("{} is not a number", quote(written))))?;
+        let value: f64 =
+            plain.parse().map_err(|_| fault(format!("{} is not a number", quote(written))))?;
         let value = convert(value);
         if value.is_finite() {
             Ok(value)

@@ -166,7 +166,9 @@ impl RawSlide {
                 "travel of axis {axis} goes from {low} to {high} mm"
             ))
             .at(text.place(self.travel_mm.span()))
-            .hint("give the lowest machine coordinate first, such as `travel_mm = [-250.0, 250.0]`"));
+            .hint(
+                "give the lowest machine coordinate first, such as `travel_mm = [-250.0, 250.0]`",
+            ));
         }
         let location = match &self.location_mm {
             None => Vector3::zeros(),

@@ -41,10 +41,10 @@ impl Topology {
                 "write the chain from workpiece to tool over the machine frame, such as `wCBXFZYSt`",
             )
         };
-        let inner = text
-            .strip_prefix('w')
-            .and_then(|rest| rest.strip_suffix('t'))
-            .ok_or_else(|| wrong("must begin with `w` (workpiece) and end with `t` (tool)".into()))?;
+        let inner =
+            text.strip_prefix('w').and_then(|rest| rest.strip_suffix('t')).ok_or_else(|| {
+                wrong("must begin with `w` (workpiece) and end with `t` (tool)".into())
+            })?;
         if let Some(letter) = inner.chars().find(|&c| !"ABCSFXYZ".contains(c)) {
             return Err(wrong(format!("has the unknown letter `{letter}`")));
         }

@@ -160,8 +160,10 @@ mod tests {
 
     #[test]
     fn there_are_96_names_and_each_reads_back() {
-        let names: BTreeSet<String> =
-            Coefficient::all().map(|c| c.to_string()).chain(SetUp::all().map(|s| s.to_string())).collect();
+        let names: BTreeSet<String> = Coefficient::all()
+            .map(|c| c.to_string())
+            .chain(SetUp::all().map(|s| s.to_string()))
+            .collect();
         assert_eq!(names.len(), 96);
         for coefficient in Coefficient::all() {
             assert_eq!(Coefficient::parse(&coefficient.to_string()), Some(coefficient));

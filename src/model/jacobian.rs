@@ -38,8 +38,7 @@ impl Situation {
     ///
     /// `None` where the two balls coincide, because the bar has no direction there.
     pub fn new(machine: &Machine, mounting: &Mounting, index: usize, pose: &Pose) -> Option<Self> {
-        let ball =
-            machine.ball_vector_mm(mounting, &pose.position_mm, &ChainErrors::zero());
+        let ball = machine.ball_vector_mm(mounting, &pose.position_mm, &ChainErrors::zero());
         let direction = ball.try_normalize(f64::EPSILON)?;
         Some(Self::along(machine, mounting, index, pose, direction))
     }

@@ -6,9 +6,18 @@ use crate::error::{Error, Result};
 
 /// The sets that have a name, with what they are.
 pub const NAMED_SETS: [(&str, &str); 4] = [
-    ("paper37", "the 37 coefficients and 3 set-up errors of the paper's Table 5; full rank only with the pivot of X on the base"),
-    ("observable35", "what 3D6 sees in one mounting with the pivots on the carriages: 35 coefficients and 3 set-up errors"),
-    ("planar27", "what the three coordinate planes see in one mounting: 27 coefficients and 3 set-up errors"),
+    (
+        "paper37",
+        "the 37 coefficients and 3 set-up errors of the paper's Table 5; full rank only with the pivot of X on the base",
+    ),
+    (
+        "observable35",
+        "what 3D6 sees in one mounting with the pivots on the carriages: 35 coefficients and 3 set-up errors",
+    ),
+    (
+        "planar27",
+        "what the three coordinate planes see in one mounting: 27 coefficients and 3 set-up errors",
+    ),
     ("all", "all 90 coefficients and 6 set-up errors, by minimum norm"),
 ];
 
@@ -91,7 +100,11 @@ pub fn terms(names: &[String], mountings: &[String]) -> Result<Vec<Box<dyn Term>
     for (mounting, name) in mountings.iter().enumerate() {
         let mounting_name = if mountings.len() > 1 { name.clone() } else { String::new() };
         for &set_up in &set_ups {
-            terms.push(Box::new(SetUpTerm { set_up, mounting, mounting_name: mounting_name.clone() }));
+            terms.push(Box::new(SetUpTerm {
+                set_up,
+                mounting,
+                mounting_name: mounting_name.clone(),
+            }));
         }
     }
     Ok(terms)

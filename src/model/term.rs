@@ -42,7 +42,8 @@ impl Term for Coefficient {
         let gradient = &at.slides[self.slide.index()];
         let along =
             if self.component.is_angular() { &gradient.rotation_mm } else { &gradient.translation };
-        out[0] = along[self.component.direction()] * at.basis[self.slide.index()][self.power as usize];
+        out[0] =
+            along[self.component.direction()] * at.basis[self.slide.index()][self.power as usize];
     }
 
     fn bend(&self, values: &[f64], at: &Pose, _mounting: usize, errors: &mut ChainErrors) {
@@ -151,14 +152,16 @@ impl<'a> Model<'a> {
 
     /// The situation at a pose; where the balls coincide the bar is taken to point along Z.
     pub fn situation(&self, pose: &Pose, mounting: usize) -> Situation {
-        Situation::new(self.machine, &self.mountings[mounting], mounting, pose).unwrap_or_else(|| {
-            Situation::along(
-                self.machine,
-                &self.mountings[mounting],
-                mounting,
-                pose,
-                Vector3::ith(Axis::Z.index(), 1.0),
-            )
-        })
+        Situation::new(self.machine, &self.mountings[mounting], mounting, pose).unwrap_or_else(
+            || {
+                Situation::along(
+                    self.machine,
+                    &self.mountings[mounting],
+                    mounting,
+                    pose,
+                    Vector3::ith(Axis::Z.index(), 1.0),
+                )
+            },
+        )
     }
 }

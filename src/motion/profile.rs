@@ -65,7 +65,8 @@ impl Profile {
             return (accelerated + vc * (t - self.accelerate_s), vc);
         }
         let braking = t - self.accelerate_s - self.cruise_s;
-        let distance = accelerated + vc * self.cruise_s + vc * braking - 0.5 * a * braking * braking;
+        let distance =
+            accelerated + vc * self.cruise_s + vc * braking - 0.5 * a * braking * braking;
         (distance, vc - a * braking)
     }
 }

@@ -69,11 +69,7 @@ impl Ends {
             let angle = self.turn(cross.atan2(dot));
             self.turn(if angle > 0.0 { angle } else { angle + TAU })
         };
-        Ok(Path::Arc {
-            center_mm,
-            axis: self.axis,
-            sweep_rad,
-        })
+        Ok(Path::Arc { center_mm, axis: self.axis, sweep_rad })
     }
 
     /// The arc of a radius: the shorter one, or the longer one when the radius is negative.
@@ -115,11 +111,7 @@ impl Ends {
 
     /// A counter-clockwise quantity in the sense of the motion, and back.
     fn turn(&self, value: f64) -> f64 {
-        if self.counter_clockwise {
-            value
-        } else {
-            -value
-        }
+        if self.counter_clockwise { value } else { -value }
     }
 }
 
@@ -142,21 +134,12 @@ mod tests {
             point[v] += 150.0 * degrees.to_radians().sin();
             point
         };
-        Ends {
-            start_mm: point(from_deg),
-            end_mm: point(to_deg),
-            axis,
-            counter_clockwise,
-        }
+        Ends { start_mm: point(from_deg), end_mm: point(to_deg), axis, counter_clockwise }
     }
 
     fn arc(path: Path) -> (Vector3<f64>, f64) {
         match path {
-            Path::Arc {
-                center_mm,
-                sweep_rad,
-                ..
-            } => (center_mm, sweep_rad),
+            Path::Arc { center_mm, sweep_rad, .. } => (center_mm, sweep_rad),
             Path::Line => panic!("a line"),
         }
     }

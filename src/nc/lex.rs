@@ -9,9 +9,8 @@ use std::ops::Range;
 const MOST_DIGITS: u32 = 15;
 
 /// Powers of ten that are exact, for the digits after the point.
-const POWERS: [f64; 16] = [
-    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
-];
+const POWERS: [f64; 16] =
+    [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
 
 /// What is wrong within one line; the line itself is added where it is known.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -27,11 +26,7 @@ pub(crate) struct Fault {
 impl Fault {
     /// A fault of some bytes of the line.
     pub(crate) fn span(span: Range<usize>, what: impl Into<String>) -> Self {
-        Self {
-            span: Some(span),
-            what: what.into(),
-            hint: None,
-        }
+        Self { span: Some(span), what: what.into(), hint: None }
     }
 
     /// A fault of one word.
@@ -42,11 +37,7 @@ impl Fault {
 
     /// A fault of the line as a whole.
     pub(crate) fn line(what: impl Into<String>) -> Self {
-        Self {
-            span: None,
-            what: what.into(),
-            hint: None,
-        }
+        Self { span: None, what: what.into(), hint: None }
     }
 
     /// Adds what to do about it.
@@ -149,9 +140,7 @@ impl<'a> Lexer<'a> {
                 b'0'..=b'9' => {
                     digits += 1;
                     after_point += usize::from(points > 0);
-                    mantissa = mantissa
-                        .wrapping_mul(10)
-                        .wrapping_add(u64::from(byte - b'0'));
+                    mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(byte - b'0'));
                 }
                 b'.' => points += 1,
                 b'+' | b'-' => {
@@ -162,25 +151,17 @@ impl<'a> Lexer<'a> {
             }
             self.at += 1;
         }
-        let end = if self.at == number {
-            start + 1
-        } else {
-            self.at
-        };
+        let end = if self.at == number { start + 1 } else { self.at };
         let fault = |what: String| Err(Fault::span(start..end, what));
         let name = char::from(letter);
         if signs > 1 {
             return fault(format!("the number after {name} has more than one sign"));
         }
         if late_sign {
-            return fault(format!(
-                "the sign in the number after {name} is not in front"
-            ));
+            return fault(format!("the sign in the number after {name} is not in front"));
         }
         if points > 1 {
-            return fault(format!(
-                "the number after {name} has more than one decimal point"
-            ));
+            return fault(format!("the number after {name} has more than one decimal point"));
         }
         if digits == 0 {
             return fault(format!("{name} has no number"));
@@ -208,19 +189,15 @@ impl<'a> Lexer<'a> {
     fn comment(&mut self) -> Result<Piece<'a>, Fault> {
         let start = self.at;
         let Some(length) = self.line[start..].find(')') else {
-            return Err(
-                Fault::span(start..self.line.len(), "the comment is not closed")
-                    .hint("a comment ends with ) on its own line"),
-            );
+            return Err(Fault::span(start..self.line.len(), "the comment is not closed")
+                .hint("a comment ends with ) on its own line"));
         };
         let end = start + length;
         let text = &self.line[start + 1..end];
         // Where a lone carriage return ends a block, the comment would swallow the next one.
         if text.contains(|c: char| c.is_control() && c != '\t') {
-            return Err(
-                Fault::span(start..end + 1, "a control character in a comment")
-                    .hint("save the program as plain text with one block a line"),
-            );
+            return Err(Fault::span(start..end + 1, "a control character in a comment")
+                .hint("save the program as plain text with one block a line"));
         }
         self.at = end + 1;
         Ok(Piece::Comment(text.trim()))
@@ -230,20 +207,15 @@ impl<'a> Lexer<'a> {
     fn delete(&mut self) -> Result<Piece<'a>, Fault> {
         let start = self.at;
         self.at += 1;
-        let digits = self.line.as_bytes()[self.at..]
-            .iter()
-            .take_while(|byte| byte.is_ascii_digit())
-            .count();
+        let digits =
+            self.line.as_bytes()[self.at..].iter().take_while(|byte| byte.is_ascii_digit()).count();
         let switch = &self.line[self.at..self.at + digits];
         self.at += digits;
         if switch.is_empty() || switch == "1" {
             return Ok(Piece::Delete(start));
         }
-        Err(Fault::span(
-            start..self.at,
-            format!("the block delete switch /{switch} is not known"),
-        )
-        .hint("only / and /1 are known; remove the block or the slash"))
+        Err(Fault::span(start..self.at, format!("the block delete switch /{switch} is not known"))
+            .hint("only / and /1 are known; remove the block or the slash"))
     }
 
     fn end_of_block(&mut self) -> Result<(), Fault> {
@@ -274,15 +246,12 @@ impl<'a> Lexer<'a> {
                     .bytes()
                     .take_while(|b| b.is_ascii_digit() || matches!(b, b'+' | b'-' | b'.'))
                     .count();
-                Fault::span(
-                    self.at..self.at + width,
-                    "a number without an address letter",
-                )
+                Fault::span(self.at..self.at + width, "a number without an address letter")
             }
-            '#' | '[' | ']' | '=' | '*' | '<' | '>' => fault(&format!(
-                "`{first}` belongs to a macro, and macros are not followed"
-            ))
-            .hint("write the coordinates as numbers"),
+            '#' | '[' | ']' | '=' | '*' | '<' | '>' => {
+                fault(&format!("`{first}` belongs to a macro, and macros are not followed"))
+                    .hint("write the coordinates as numbers")
+            }
             ')' => fault("a comment is closed that was not opened")
                 .hint("comments do not nest: the first ) ends them"),
             '%' => fault("% stands inside a block")
@@ -336,10 +305,7 @@ mod tests {
         for thousandths in (-400_000..400_000).step_by(37) {
             let text = format!("{:.3}", f64::from(thousandths) / 1000.0);
             let expected: f64 = text.parse().unwrap();
-            assert_eq!(
-                only_word(&format!("Y{text}")).value.to_bits(),
-                expected.to_bits()
-            );
+            assert_eq!(only_word(&format!("Y{text}")).value.to_bits(), expected.to_bits());
         }
     }
 
@@ -379,9 +345,6 @@ mod tests {
                 Piece::Delete(at) => format!("/ at {at}"),
             });
         }
-        assert_eq!(
-            seen,
-            ["/ at 0", "N10", "G01", "(TO THE POLE)", "X-1.5", "Y2"]
-        );
+        assert_eq!(seen, ["/ at 0", "N10", "G01", "(TO THE POLE)", "X-1.5", "Y2"]);
     }
 }

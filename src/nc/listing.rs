@@ -195,19 +195,10 @@ impl<'a> Listing<'a> {
                 Some(Piece::Word(word)) => self.words.push(word),
             }
         }
-        self.open_section(line, number)
-            .map_err(|fault| self.locate(line, fault))?;
-        let label = if self.labels.len() > labels {
-            self.labels.len() - 1
-        } else {
-            0
-        };
+        self.open_section(line, number).map_err(|fault| self.locate(line, fault))?;
+        let label = if self.labels.len() > labels { self.labels.len() - 1 } else { 0 };
         if self.words.len() > words || label > 0 {
-            self.blocks.push(Block {
-                line,
-                words: words..self.words.len(),
-                label,
-            });
+            self.blocks.push(Block { line, words: words..self.words.len(), label });
         }
         Ok(())
     }
@@ -241,21 +232,13 @@ impl<'a> Listing<'a> {
         section.last = line;
         if let Some(word) = number {
             let Some(number) = word.whole().filter(|n| (1..=99_999_999).contains(n)) else {
-                return Err(
-                    Fault::word(&word, format!("{} is not a program number", word.name()))
-                        .hint("program numbers are whole numbers from 1 to 99999999"),
-                );
+                return Err(Fault::word(&word, format!("{} is not a program number", word.name()))
+                    .hint("program numbers are whole numbers from 1 to 99999999"));
             };
             section.number = Some(number);
-            if self
-                .by_number
-                .insert(number, self.sections.len() - 1)
-                .is_some()
-            {
-                return Err(
-                    Fault::word(&word, format!("the file has two programs O{number}"))
-                        .hint("a call could mean either: renumber one of them"),
-                );
+            if self.by_number.insert(number, self.sections.len() - 1).is_some() {
+                return Err(Fault::word(&word, format!("the file has two programs O{number}"))
+                    .hint("a call could mean either: renumber one of them"));
             }
         }
         Ok(())
@@ -264,11 +247,7 @@ impl<'a> Listing<'a> {
 
 impl Section {
     fn new(line: Line, start: usize) -> Self {
-        Self {
-            number: None,
-            blocks: start..start,
-            last: line,
-        }
+        Self { number: None, blocks: start..start, last: line }
     }
 }
 
@@ -278,10 +257,7 @@ fn lines(source: &str) -> impl Iterator<Item = Line> {
     let mut start = 0;
     source.split('\n').enumerate().map(move |(index, text)| {
         let blanks = text.len() - text.trim_start_matches('\r').len();
-        let line = Line {
-            number: index + 1,
-            start: start + blanks,
-        };
+        let line = Line { number: index + 1, start: start + blanks };
         start += text.len() + 1;
         line
     })

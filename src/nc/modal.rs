@@ -69,25 +69,12 @@ impl Code {
         Ok(match tenths as u32 {
             0 => Self::Motion(Motion::Rapid),
             10 => Self::Motion(Motion::Line),
-            20 => Self::Motion(Motion::Arc {
-                counter_clockwise: false,
-            }),
-            30 => Self::Motion(Motion::Arc {
-                counter_clockwise: true,
-            }),
+            20 => Self::Motion(Motion::Arc { counter_clockwise: false }),
+            30 => Self::Motion(Motion::Arc { counter_clockwise: true }),
             40 => Self::Dwell,
-            50 => Self::LookAhead(LookAhead {
-                letter: b'P',
-                on: 10_000,
-            }),
-            51 => Self::LookAhead(LookAhead {
-                letter: b'Q',
-                on: 1,
-            }),
-            80 => Self::LookAhead(LookAhead {
-                letter: b'P',
-                on: 1,
-            }),
+            50 => Self::LookAhead(LookAhead { letter: b'P', on: 10_000 }),
+            51 => Self::LookAhead(LookAhead { letter: b'Q', on: 1 }),
+            80 => Self::LookAhead(LookAhead { letter: b'P', on: 1 }),
             90 => Self::ExactStop,
             170 => Self::Plane(2),
             180 => Self::Plane(1),
@@ -221,10 +208,7 @@ impl Modal {
     /// Puts a feed in force: mm/min or inch/min, with or without a point.
     pub(crate) fn set_feed(&mut self, word: &Word) -> Result<(), Fault> {
         if word.value < 0.0 {
-            return Err(Fault::word(
-                word,
-                format!("the feed {} is negative", word.value),
-            ));
+            return Err(Fault::word(word, format!("the feed {} is negative", word.value)));
         }
         let unit_mm = if self.inch { INCH_MM } else { 1.0 };
         self.feed_mm_s = word.value * unit_mm / 60.0;

@@ -31,11 +31,7 @@ pub(crate) struct Machine<'a> {
 impl<'a> Machine<'a> {
     /// A machine that may stand anywhere.
     pub(crate) fn new(reading: &'a Reading) -> Self {
-        Self {
-            reading,
-            modal: Modal::default(),
-            position: [None; 3],
-        }
+        Self { reading, modal: Modal::default(), position: [None; 3] }
     }
 
     /// Obeys the coordinates of a block. None when nothing moves, or when a positioning starts from a
@@ -43,20 +39,18 @@ impl<'a> Machine<'a> {
     pub(crate) fn motion(&mut self, command: &Command) -> Result<Option<Move>, Fault> {
         let Some(first) = command.first(COORDINATES.and(ARC)) else {
             return match command.one_shot {
-                Some((_, word)) => Err(Fault::word(
-                    word,
-                    format!("{} without X, Y or Z", word.name()),
-                )
-                .hint("it says where to position in machine coordinates, in its own block")),
+                Some((_, word)) => {
+                    Err(Fault::word(word, format!("{} without X, Y or Z", word.name()))
+                        .hint("it says where to position in machine coordinates, in its own block"))
+                }
                 None => Ok(None),
             };
         };
         let Some(motion) = self.modal.motion else {
-            return Err(
-                Fault::word(first, "coordinates before the first G00, G01, G02 or G03").hint(
+            return Err(Fault::word(first, "coordinates before the first G00, G01, G02 or G03")
+                .hint(
                     "a parameter of the control decides which of them holds at the start: write it",
-                ),
-            );
+                ));
         };
         if let (Motion::Rapid | Motion::Line, Some(word)) = (motion, command.first(ARC)) {
             return Err(unknown(word));
@@ -73,12 +67,8 @@ impl<'a> Machine<'a> {
         }
         let path = match motion {
             Motion::Arc { counter_clockwise } => {
-                let ends = Ends {
-                    start_mm,
-                    end_mm,
-                    axis: self.modal.plane_axis,
-                    counter_clockwise,
-                };
+                let ends =
+                    Ends { start_mm, end_mm, axis: self.modal.plane_axis, counter_clockwise };
                 self.arc(command, ends)?
             }
             Motion::Rapid | Motion::Line => Path::Line,
@@ -173,13 +163,9 @@ impl<'a> Machine<'a> {
     fn zero(&self, word: &Word) -> Result<&Vector3<f64>, Fault> {
         let number = self.modal.work_offset;
         self.reading.work_offsets_mm.get(&number).ok_or_else(|| {
-            Fault::word(
-                word,
-                format!("a coordinate in G{number}, which is not known"),
+            Fault::word(word, format!("a coordinate in G{number}, which is not known")).hint(
+                format!("state the machine coordinates of the zero of G{number} in the test file"),
             )
-            .hint(format!(
-                "state the machine coordinates of the zero of G{number} in the test file"
-            ))
         })
     }
 
@@ -192,13 +178,10 @@ impl<'a> Machine<'a> {
                 .filter_map(|(name, position)| position.is_none().then_some(name))
                 .collect();
             let names = unknown.join(" and ");
-            Fault::word(
-                word,
-                format!("a feed move from a place of {names} that is not known"),
-            )
-            .hint(format!(
-                "the machine may stand anywhere: position {names} with G90 G00 first"
-            ))
+            Fault::word(word, format!("a feed move from a place of {names} that is not known"))
+                .hint(format!(
+                    "the machine may stand anywhere: position {names} with G90 G00 first"
+                ))
         })
     }
 
@@ -216,14 +199,12 @@ impl<'a> Machine<'a> {
                 );
             }
             (Some(_), Some(radius)) => {
-                return Err(
-                    Fault::word(radius, "an arc by centre and by radius at once")
-                        .hint("write either I, J, K or R"),
-                );
+                return Err(Fault::word(radius, "an arc by centre and by radius at once")
+                    .hint("write either I, J, K or R"));
             }
-            (None, Some(radius)) => ends
-                .of_radius(self.modal.length_mm(radius))
-                .map_err(|none| (none, radius)),
+            (None, Some(radius)) => {
+                ends.of_radius(self.modal.length_mm(radius)).map_err(|none| (none, radius))
+            }
             (Some(first), None) => {
                 if let Some(word) = centers[ends.axis] {
                     let plane = ["YZ (G19)", "ZX (G18)", "XY (G17)"][ends.axis];

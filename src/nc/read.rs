@@ -70,9 +70,7 @@ pub(crate) fn read_at_most(
 
 /// Reads a program from a file.
 pub fn read_file(file: &Path, reading: &Reading) -> Result<Program> {
-    let bytes = std::fs::read(file).map_err(|error| {
-        Error::input(format!("the program cannot be read: {error}")).at(Place::file(file))
-    })?;
+    let bytes = crate::input::read(file, "program")?;
     if bytes.contains(&0) {
         return Err(Error::input("the file is not a program but binary data")
             .at(Place::file(file))
@@ -90,18 +88,10 @@ fn not_text(bytes: &[u8], at: usize, file: &Path) -> Error {
     let line = before.matches('\n').count() + 1;
     let beginning = before.rsplit('\n').next().unwrap_or("");
     let column = beginning.chars().count() + 1;
-    let text = bytes[at - beginning.len()..]
-        .split(|&byte| byte == b'\n')
-        .next();
+    let text = bytes[at - beginning.len()..].split(|&byte| byte == b'\n').next();
     let text = String::from_utf8_lossy(text.unwrap_or(&[]));
     let byte = bytes.get(at).copied().unwrap_or(0);
     Error::input(format!("byte {byte:#04x} is not text"))
-        .at(Place::span(
-            file,
-            line,
-            column,
-            1,
-            text.trim_end_matches('\r'),
-        ))
+        .at(Place::span(file, line, column, 1, text.trim_end_matches('\r')))
         .hint("save the program as ASCII or UTF-8")
 }

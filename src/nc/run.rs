@@ -44,11 +44,7 @@ pub(crate) fn run(listing: &Listing, reading: &Reading, most_blocks: usize) -> R
         machine: Machine::new(reading),
         label: 0,
         steps: Vec::with_capacity(listing.blocks.len()),
-        calls: vec![Call {
-            section: 0,
-            next: listing.sections[0].blocks.start,
-            again: 0,
-        }],
+        calls: vec![Call { section: 0, next: listing.sections[0].blocks.start, again: 0 }],
     };
     runner.run(most_blocks)?;
     Ok(runner.steps)
@@ -78,10 +74,8 @@ impl Runner<'_> {
             call.next += 1;
             ran += 1;
             let done = if ran > most_blocks || self.steps.len() > most_blocks {
-                Err(
-                    Fault::line(format!("the program runs more than {most_blocks} blocks"))
-                        .hint("look for a subprogram that is repeated too often: L of M98"),
-                )
+                Err(Fault::line(format!("the program runs more than {most_blocks} blocks"))
+                    .hint("look for a subprogram that is repeated too often: L of M98"))
             } else {
                 self.block(block)
             };
@@ -113,21 +107,17 @@ impl Runner<'_> {
         let section = &self.listing.sections[section];
         let line = section.last.number;
         match section.number {
-            Some(number) if self.calls.len() > 1 => Fault::line(format!(
-                "subprogram O{number} ends at line {line} without M99"
-            ))
-            .hint("the file may have been cut off; a subprogram returns by M99"),
+            Some(number) if self.calls.len() > 1 => {
+                Fault::line(format!("subprogram O{number} ends at line {line} without M99"))
+                    .hint("the file may have been cut off; a subprogram returns by M99")
+            }
             _ => Fault::line(format!("the program ends at line {line} without M30"))
                 .hint("the file may have been cut off; a main program ends with M30 or M02"),
         }
     }
 
     fn step(&mut self, block: &Block, action: Action) {
-        self.steps.push(Step {
-            line: block.line.number,
-            label: self.label,
-            action,
-        });
+        self.steps.push(Step { line: block.line.number, label: self.label, action });
     }
 
     fn block(&mut self, block: &Block) -> std::result::Result<Next, Fault> {
@@ -181,10 +171,8 @@ impl Runner<'_> {
             Miscellaneous::Call => return self.call(command, word),
             Miscellaneous::Return if self.calls.len() > 1 => return Ok(Next::Return),
             Miscellaneous::Return => {
-                return Err(
-                    Fault::word(word, "M99 in the main program repeats it for ever")
-                        .hint("end the main program with M30"),
-                );
+                return Err(Fault::word(word, "M99 in the main program repeats it for ever")
+                    .hint("end the main program with M30"));
             }
         }
         Ok(Next::Block)
@@ -195,9 +183,7 @@ impl Runner<'_> {
             return Err(Fault::word(word, "M98 without P")
                 .hint("write the number of the subprogram: M98 P1000"));
         };
-        let section = program
-            .whole()
-            .and_then(|number| self.listing.section(number));
+        let section = program.whole().and_then(|number| self.listing.section(number));
         let Some(section) = section else {
             let number = program.value;
             return Err(Fault::word(program, format!("the file has no subprogram O{number}"))
@@ -215,16 +201,10 @@ impl Runner<'_> {
             }
         };
         if self.calls.len() > DEEPEST_CALL {
-            return Err(
-                Fault::word(word, format!("a call more than {DEEPEST_CALL} deep"))
-                    .hint("the control allows four calls within each other"),
-            );
+            return Err(Fault::word(word, format!("a call more than {DEEPEST_CALL} deep"))
+                .hint("the control allows four calls within each other"));
         }
-        Ok(Next::Call(Call {
-            section,
-            next: self.listing.sections[section].blocks.start,
-            again,
-        }))
+        Ok(Next::Call(Call { section, next: self.listing.sections[section].blocks.start, again }))
     }
 }
 
@@ -234,14 +214,12 @@ fn dwell(command: &Command, word: &Word) -> std::result::Result<f64, Fault> {
     const HINT: &str = "write G04 P2000 or G04 X2.0 for two seconds, alone in a block";
     if let Some(other) = command.motion.or(command.jump()) {
         return Err(
-            Fault::word(other, format!("{} beside {}", other.name(), word.name())).hint(HINT),
+            Fault::word(other, format!("{} beside {}", other.name(), word.name())).hint(HINT)
         );
     }
     command.allow_only(ANYWHERE.and(TIMES))?;
-    let given: Vec<&Word> = [b'P', b'X', b'U']
-        .into_iter()
-        .filter_map(|letter| command.word(letter))
-        .collect();
+    let given: Vec<&Word> =
+        [b'P', b'X', b'U'].into_iter().filter_map(|letter| command.word(letter)).collect();
     let [time] = given[..] else {
         return Err(Fault::word(word, "a dwell needs one time, by P, X or U").hint(HINT));
     };
@@ -252,10 +230,8 @@ fn dwell(command: &Command, word: &Word) -> std::result::Result<f64, Fault> {
         return Ok(time.value / 1e3);
     }
     if time.letter == b'P' {
-        return Err(
-            Fault::word(time, "the time of a dwell by P has a decimal point")
-                .hint("P counts whole milliseconds; write X or U for seconds: G04 X2.0"),
-        );
+        return Err(Fault::word(time, "the time of a dwell by P has a decimal point")
+            .hint("P counts whole milliseconds; write X or U for seconds: G04 X2.0"));
     }
     Ok(time.value)
 }
@@ -273,9 +249,10 @@ fn look_ahead(
     );
     match command.word(function.letter) {
         None => Err(Fault::word(word, format!("{name} without {letter}")).hint(hint)),
-        Some(argument) if !matches!(argument.whole(), Some(n) if n == 0 || n == on) => Err(
-            Fault::word(argument, format!("{name} {} is not known", argument.name())).hint(hint),
-        ),
+        Some(argument) if !matches!(argument.whole(), Some(n) if n == 0 || n == on) => {
+            Err(Fault::word(argument, format!("{name} {} is not known", argument.name()))
+                .hint(hint))
+        }
         Some(_) if command.len() > 2 => {
             command.allow_only(Letters::of(&[b'G', function.letter]))?;
             Err(Fault::word(word, format!("{name} is not alone in its block")).hint(hint))

@@ -180,10 +180,7 @@ pub struct Format {
 impl Default for Format {
     fn default() -> Self {
         Self {
-            time: TimeColumn::Named {
-                name: "time_s".to_owned(),
-                unit: TimeUnit::Second,
-            },
+            time: TimeColumn::Named { name: "time_s".to_owned(), unit: TimeUnit::Second },
             reading: ReadingColumn {
                 name: "deviation_um".to_owned(),
                 unit: LengthUnit::Micrometre,

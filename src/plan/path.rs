@@ -51,8 +51,10 @@ impl Path {
         let mut at: Option<UnitVector3<f64>> = None;
         for arc in plan.arcs() {
             let (forward, backward) = directions_of_travel(&arc);
-            for (index, leg) in
-                [arc.reversed(&backward), Arc { name: forward, ..arc.clone() }].iter().rev().enumerate()
+            for (index, leg) in [arc.reversed(&backward), Arc { name: forward, ..arc.clone() }]
+                .iter()
+                .rev()
+                .enumerate()
             {
                 if index == 1 && !plan.both_directions {
                     continue;
@@ -66,7 +68,9 @@ impl Path {
             }
         }
         let Some(end) = at else {
-            return Err(Error::input("the plan has no arcs").hint("give a strategy or `[[plan.arc]]`"));
+            return Err(
+                Error::input("the plan has no arcs").hint("give a strategy or `[[plan.arc]]`")
+            );
         };
         path.pause(plan);
         path.steps.push(Step::Comment("RELEASE".into()));

@@ -82,9 +82,11 @@ pub(super) fn check_mountings(raw: &[RawMounting], text: &Text<'_>) -> Result<Ve
     for entry in raw {
         let name = entry.name.get_ref().clone();
         if name.is_empty() || mountings.iter().any(|mounting| mounting.name == name) {
-            return Err(Error::input(format!("there is another mounting `{name}`, or the name is empty"))
-                .at(text.place(entry.name.span()))
-                .hint("give every mounting its own name"));
+            return Err(Error::input(format!(
+                "there is another mounting `{name}`, or the name is empty"
+            ))
+            .at(text.place(entry.name.span()))
+            .hint("give every mounting its own name"));
         }
         let work_offset = match &entry.work_offset {
             None => 54,
@@ -188,23 +190,26 @@ pub(super) struct RawPlan {
 
 impl RawPlan {
     pub(super) fn check(self, bar: &BallBar, text: &Text<'_>) -> Result<PathPlan> {
-        let within = |value: &Option<Spanned<f64>>, key: &str, default: f64, low: f64, high: f64| {
-            value.as_ref().map_or(Ok(default), |value| text.within(value, key, low, high))
-        };
+        let within =
+            |value: &Option<Spanned<f64>>, key: &str, default: f64, low: f64, high: f64| {
+                value.as_ref().map_or(Ok(default), |value| text.within(value, key, low, high))
+            };
         let strategy = match &self.strategy {
             None => None,
             Some(name) => Some(Strategy::parse(name.get_ref()).ok_or_else(|| {
                 let names = Strategy::ALL.map(Strategy::name).join("`, `");
                 Error::input(format!("unknown strategy `{}`", name.get_ref()))
                     .at(text.place(name.span()))
-                    .hint(format!("write one of `{names}`, or leave it out and give `[[plan.arc]]`"))
+                    .hint(format!(
+                        "write one of `{names}`, or leave it out and give `[[plan.arc]]`"
+                    ))
             })?),
         };
         let free_arcs: Vec<Arc> = self
             .arc
             .iter()
             .enumerate()
-            .map(|(index, arc)| arc.get_ref().check(index, text.place(arc.span())))
+            .map(|(index, arc)| arc.get_ref().check(index, &text.place(arc.span())))
             .collect::<Result<_>>()?;
         if strategy.is_none() && free_arcs.is_empty() {
             return Err(Error::input("the plan has neither a strategy nor arcs")
@@ -266,7 +271,7 @@ struct RawArc {
 
 impl RawArc {
     /// Checks one free arc; `place` is its table in the file.
-    fn check(&self, index: usize, place: Place) -> Result<Arc> {
+    fn check(&self, index: usize, place: &Place) -> Result<Arc> {
         let wrong = |what: &str, hint: &str| {
             Err(Error::input(format!("arc {}: {what}", index + 1)).at(place.clone()).hint(hint))
         };
@@ -293,8 +298,13 @@ impl RawArc {
         let whole_deg = if self.kind == RawArcKind::Meridian { 180.0 } else { 360.0 };
         let sweep_deg = self.sweep_deg.unwrap_or(whole_deg);
         let angles = [self.azimuth_deg, self.polar_deg, self.start_deg, Some(sweep_deg)];
-        if angles.iter().flatten().any(|angle| !(angle.abs() <= 360.0)) || sweep_deg.abs() < 0.1 {
-            return wrong("an angle is out of bounds", "angles go to 360, sweeps from 0.1 to 360 degrees");
+        if angles.iter().flatten().any(|angle| !angle.is_finite() || angle.abs() > 360.0)
+            || sweep_deg.abs() < 0.1
+        {
+            return wrong(
+                "an angle is out of bounds",
+                "angles go to 360, sweeps from 0.1 to 360 degrees",
+            );
         }
         let rad = |angle: Option<f64>, default_deg: f64| angle.unwrap_or(default_deg).to_radians();
         let (azimuth_rad, sweep_rad) = (rad(self.azimuth_deg, 0.0), sweep_deg.to_radians());
@@ -322,7 +332,10 @@ impl RawArc {
             }
         };
         if arc.circle_radius_mm(1.0) < 0.02 {
-            return wrong("its circle shrinks to a point", "move its start away from the axis that it turns about");
+            return wrong(
+                "its circle shrinks to a point",
+                "move its start away from the axis that it turns about",
+            );
         }
         if arc.sweep_rad.abs() > 2.0 * PI + 1e-9 {
             return wrong("it sweeps more than one turn", "give at most 360 degrees");
@@ -337,6 +350,8 @@ pub(super) struct RawEstimation {
     terms: Option<Spanned<Vec<String>>>,
     #[serde(default)]
     loss: Loss,
+    #[serde(default)]
+    minimum_norm: bool,
 }
 
 impl RawEstimation {
@@ -349,7 +364,8 @@ impl RawEstimation {
                 written.into_inner()
             }
         };
-        Ok(Estimation { terms, loss: self.loss })
+        let minimum_norm = self.minimum_norm || terms.iter().any(|name| name == "all");
+        Ok(Estimation { terms, loss: self.loss, minimum_norm })
     }
 }
 
@@ -389,8 +405,11 @@ impl RawRun {
             Some(percent) => text.within(percent, "feed_override_percent", 1.0, 200.0)?,
         };
         let stem = |path: &str| {
-            let name = Path::new(path).file_name().map_or(String::new(), |n| n.to_string_lossy().into());
-            name.trim_end_matches(".gz").rsplit_once('.').map_or(name.clone(), |(stem, _)| stem.into())
+            let name =
+                Path::new(path).file_name().map_or(String::new(), |n| n.to_string_lossy().into());
+            name.trim_end_matches(".gz")
+                .rsplit_once('.')
+                .map_or(name.clone(), |(stem, _)| stem.into())
         };
         Ok(Run {
             name: self.name.unwrap_or_else(|| stem(&self.log)),

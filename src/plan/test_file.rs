@@ -1,5 +1,6 @@
 //! The test file: what is tested, with what, where, and what was measured.
 
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
@@ -84,6 +85,8 @@ pub struct Estimation {
     pub terms: Vec<String>,
     /// How far-off samples are weighted.
     pub loss: Loss,
+    /// Take the shortest of all solutions where the terms are confounded, instead of refusing.
+    pub minimum_norm: bool,
 }
 
 /// How far-off samples are weighted.
@@ -155,7 +158,7 @@ impl Test {
         Ok(Self {
             name: raw.name,
             file: file.to_path_buf(),
-            hash: Sha256::digest(source.as_bytes()).iter().map(|b| format!("{b:02x}")).collect(),
+            hash: hexadecimal(&Sha256::digest(source.as_bytes())),
             machine: beside(&raw.machine),
             ball_bar,
             log_format,
@@ -230,4 +233,11 @@ impl Test {
         }
         Ok(&self.runs)
     }
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::new(), |mut text, byte| {
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
 }

@@ -90,17 +90,11 @@ impl BackwardFilter {
         // The row p samples later is used up by now: its place is free.
         self.recent.row_mut(t % slots).copy_from_slice(&self.output);
         if t >= order {
-            self.output
-                .iter_mut()
-                .for_each(|y| *y *= self.innovation_sigma);
+            self.output.iter_mut().for_each(|y| *y *= self.innovation_sigma);
         } else {
             self.output.fill(0.0);
             for i in t..order.min(self.length) {
-                add(
-                    &mut self.output,
-                    self.start[(i, t)],
-                    self.recent.row(i % slots),
-                );
+                add(&mut self.output, self.start[(i, t)], self.recent.row(i % slots));
             }
         }
         &self.output
@@ -122,12 +116,7 @@ mod tests {
     /// Filtering the identity gives `L^T` itself, and `L L^T` must be the covariance of the samples.
     #[test]
     fn filtered_identity_squares_to_the_covariance() {
-        for phi in [
-            vec![],
-            vec![0.9],
-            vec![1.2, -0.5],
-            vec![0.9, -0.5, 0.2, 0.1],
-        ] {
+        for phi in [vec![], vec![0.9], vec![1.2, -0.5], vec![0.9, -0.5, 0.2, 0.1]] {
             let noise = NoiseModel::autoregressive(phi, 0.3).unwrap();
             for n in [1, 2, 3, 4, 5, 12] {
                 let mut filter = BackwardFilter::new(&noise, n);

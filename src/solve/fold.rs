@@ -49,12 +49,7 @@ impl Fold {
     pub(super) fn new(width: usize) -> Self {
         let chunk = vec![0.0_f64; width * STRIDE + ALIGNMENT / size_of::<f64>()];
         let origin = chunk.as_ptr().align_offset(ALIGNMENT);
-        Self {
-            r: Matrix::zeros(width, width),
-            chunk,
-            origin,
-            product: vec![0.0; width * PANEL],
-        }
+        Self { r: Matrix::zeros(width, width), chunk, origin, product: vec![0.0; width * PANEL] }
     }
 
     /// The elements of row `i` of the chunk.
@@ -135,14 +130,7 @@ impl Fold {
         let product = &mut self.product[..rest * PANEL];
         let mut w =
             MatMut::from_column_major_slice_with_stride_mut(&mut *product, size, rest, PANEL);
-        matmul(
-            w.as_mut(),
-            Accum::Replace,
-            v.transpose(),
-            c.as_ref(),
-            1.0,
-            Par::Seq,
-        );
+        matmul(w.as_mut(), Accum::Replace, v.transpose(), c.as_ref(), 1.0, Par::Seq);
         for (w, k) in product.chunks_exact_mut(PANEL).zip(end..width) {
             for (w, j) in w.iter_mut().zip(start..end) {
                 *w += self.r[(j, k)];

@@ -54,22 +54,12 @@ impl Spectrum {
     /// The least-squares solution over the retained directions.
     pub fn solve(self, truncation: Truncation) -> Solution {
         let rank = self.retained(truncation);
-        let along: Vec<f64> = (0..rank)
-            .map(|i| self.u_t_rhs[i] / self.singular_values[i])
-            .collect();
+        let along: Vec<f64> =
+            (0..rank).map(|i| self.u_t_rhs[i] / self.singular_values[i]).collect();
         let x = (0..self.columns())
-            .map(|k| {
-                unscale(
-                    super::matrix::dot(&self.v.row(k)[..rank], &along),
-                    self.scales[k],
-                )
-            })
+            .map(|k| unscale(super::matrix::dot(&self.v.row(k)[..rank], &along), self.scales[k]))
             .collect();
-        Solution {
-            spectrum: self,
-            rank,
-            x,
-        }
+        Solution { spectrum: self, rank, x }
     }
 }
 
@@ -158,11 +148,7 @@ impl Solution {
 
 /// The standard deviations on the diagonal of a covariance.
 pub fn standard_deviations(covariance: &Matrix) -> Vec<f64> {
-    covariance
-        .diagonal()
-        .into_iter()
-        .map(|variance| variance.max(0.0).sqrt())
-        .collect()
+    covariance.diagonal().into_iter().map(|variance| variance.max(0.0).sqrt()).collect()
 }
 
 /// The correlations of a covariance: ones on the diagonal, and zeros beside it where a variance is zero.

@@ -19,11 +19,7 @@ pub struct Matrix {
 impl Matrix {
     /// The zero matrix, `rows x columns`.
     pub fn zeros(rows: usize, columns: usize) -> Self {
-        Self {
-            rows,
-            columns,
-            data: vec![0.0; rows * columns],
-        }
+        Self { rows, columns, data: vec![0.0; rows * columns] }
     }
 
     /// The identity, `n x n`.
@@ -43,11 +39,7 @@ impl Matrix {
                 data.push(element(i, k));
             }
         }
-        Self {
-            rows,
-            columns,
-            data,
-        }
+        Self { rows, columns, data }
     }
 
     /// Number of rows.
@@ -89,9 +81,7 @@ impl Matrix {
 
     /// The diagonal.
     pub fn diagonal(&self) -> Vec<f64> {
-        (0..self.rows.min(self.columns))
-            .map(|i| self[(i, i)])
-            .collect()
+        (0..self.rows.min(self.columns)).map(|i| self[(i, i)]).collect()
     }
 
     /// `A^T`.
@@ -145,9 +135,7 @@ impl Matrix {
 
     /// The Frobenius norm of every column, computed without overflow or underflow of the squares.
     pub fn column_norms(&self) -> Vec<f64> {
-        (0..self.columns)
-            .map(|k| norm((0..self.rows).map(|i| self[(i, k)])))
-            .collect()
+        (0..self.columns).map(|k| norm((0..self.rows).map(|i| self[(i, k)]))).collect()
     }
 }
 
@@ -190,8 +178,7 @@ mod tests {
         assert_eq!(a.times(&Matrix::identity(2)), a);
         assert_eq!(
             a.times_vector(&[1.0, -1.0]),
-            a.times(&Matrix::from_fn(2, 1, |i, _| 1.0 - 2.0 * i as f64))
-                .column(0)
+            a.times(&Matrix::from_fn(2, 1, |i, _| 1.0 - 2.0 * i as f64)).column(0)
         );
         assert_eq!(a.diagonal(), [0.0, 3.0]);
     }

@@ -27,10 +27,7 @@ pub struct Autocovariances {
 impl Autocovariances {
     /// Empty sums for the distances `0 ..= max_lag` samples.
     pub fn new(max_lag: usize) -> Self {
-        Self {
-            sums: vec![0.0; max_lag + 1],
-            pairs: vec![0; max_lag + 1],
-        }
+        Self { sums: vec![0.0; max_lag + 1], pairs: vec![0; max_lag + 1] }
     }
 
     /// Adds the residuals of one contiguous, evenly sampled segment.
@@ -55,11 +52,7 @@ impl Autocovariances {
     /// Dividing by the number of samples instead would shrink a distance `k` by `k` samples in every
     /// segment, which on short arcs is much.
     pub fn unbiased(&self) -> Vec<f64> {
-        let with_pairs = self
-            .sums
-            .iter()
-            .zip(&self.pairs)
-            .take_while(|(_, n)| **n > 0);
+        let with_pairs = self.sums.iter().zip(&self.pairs).take_while(|(_, n)| **n > 0);
         with_pairs.map(|(sum, n)| sum / *n as f64).collect()
     }
 
@@ -81,11 +74,7 @@ pub struct NoiseModel {
 impl NoiseModel {
     /// Independent samples of standard deviation `sigma`.
     pub fn white(sigma: f64) -> Self {
-        Self {
-            sigma,
-            phi: Vec::new(),
-            innovation_sigma: sigma,
-        }
+        Self { sigma, phi: Vec::new(), innovation_sigma: sigma }
     }
 
     /// The autoregression with the coefficients `phi_1 .. phi_p` and the standard deviation of what is
@@ -103,11 +92,7 @@ impl NoiseModel {
             .iter()
             .map(|k| 1.0 - k * k)
             .product();
-        Ok(Self {
-            sigma: innovation_sigma / left.sqrt(),
-            phi,
-            innovation_sigma,
-        })
+        Ok(Self { sigma: innovation_sigma / left.sqrt(), phi, innovation_sigma })
     }
 
     /// Fits the order `0 ..= max_order` and the coefficients to residuals.
@@ -134,9 +119,7 @@ impl NoiseModel {
         let n = samples as f64;
         let criterion =
             |(phi, variance): &(Vec<f64>, f64)| n * variance.ln() + phi.len() as f64 * n.ln();
-        let best = orders
-            .into_iter()
-            .min_by(|a, b| criterion(a).total_cmp(&criterion(b)));
+        let best = orders.into_iter().min_by(|a, b| criterion(a).total_cmp(&criterion(b)));
         Ok(best.map_or_else(
             || Self::white(variance.sqrt()),
             |(phi, innovation)| Self {
@@ -196,13 +179,7 @@ impl NoiseModel {
     pub fn effective_samples(&self, n: usize) -> f64 {
         let total = n as f64;
         let weigh = |(k, rho): (usize, f64)| (1.0 - k as f64 / total) * rho;
-        let sum: f64 = self
-            .autocorrelation(n)
-            .into_iter()
-            .enumerate()
-            .skip(1)
-            .map(weigh)
-            .sum();
+        let sum: f64 = self.autocorrelation(n).into_iter().enumerate().skip(1).map(weigh).sum();
         total / (1.0 + 2.0 * sum)
     }
 
@@ -214,11 +191,7 @@ impl NoiseModel {
         for i in 0..n {
             for k in 0..=i {
                 let left = rho[i - k] - dot(&c.row(i)[..k], &c.row(k)[..k]);
-                c[(i, k)] = if i == k {
-                    left.max(0.0).sqrt()
-                } else {
-                    left / c[(k, k)]
-                };
+                c[(i, k)] = if i == k { left.max(0.0).sqrt() } else { left / c[(k, k)] };
             }
         }
         Matrix::from_fn(n, n, |i, k| self.sigma * c[(i, k)])
@@ -324,9 +297,7 @@ mod tests {
         let noise = NoiseModel::autoregressive(vec![0.9, -0.5, 0.2], 2.0).unwrap();
         let rho = noise.autocorrelation(30);
         for t in 1..30_usize {
-            let expected: f64 = (1..=3)
-                .map(|k| noise.phi()[k - 1] * rho[t.abs_diff(k)])
-                .sum();
+            let expected: f64 = (1..=3).map(|k| noise.phi()[k - 1] * rho[t.abs_diff(k)]).sum();
             assert!((rho[t] - expected).abs() < 1e-14, "{t}");
         }
         let explained: f64 = (1..=3).map(|k| noise.phi()[k - 1] * rho[k]).sum();

@@ -31,11 +31,7 @@ pub(super) fn sparse_basis(basis: &Matrix, drop: f64) -> Vec<Vec<f64>> {
     for row in &mut rows {
         let largest = largest(row);
         for x in row.iter_mut() {
-            *x = if x.abs() < drop * largest {
-                0.0
-            } else {
-                *x / largest
-            };
+            *x = if x.abs() < drop * largest { 0.0 } else { *x / largest };
         }
     }
     let first = |row: &[f64]| row.iter().position(|&x| x != 0.0);
@@ -129,9 +125,7 @@ fn largest(row: &[f64]) -> f64 {
 
 fn count(row: &[f64], drop: f64) -> usize {
     let floor = drop * largest(row);
-    row.iter()
-        .filter(|x| **x != 0.0 && x.abs() >= floor)
-        .count()
+    row.iter().filter(|x| **x != 0.0 && x.abs() >= floor).count()
 }
 
 #[cfg(test)]

@@ -36,11 +36,7 @@ impl Spectrum {
     /// when the units of the columns are within a dozen orders of each other; otherwise, use
     /// [`with_references`](Self::with_references).
     pub fn of(triangle: &Triangle) -> Result<Self> {
-        let longest = triangle
-            .r
-            .column_norms()
-            .into_iter()
-            .fold(0.0_f64, f64::max);
+        let longest = triangle.r.column_norms().into_iter().fold(0.0_f64, f64::max);
         Self::with_references(triangle, &vec![longest; triangle.columns()])
     }
 
@@ -106,12 +102,8 @@ impl Spectrum {
     /// How many singular directions a truncation keeps. A singular value of zero is never kept.
     pub fn retained(&self, truncation: Truncation) -> usize {
         let largest = self.singular_values.first().copied().unwrap_or(0.0);
-        let above = |floor: f64| {
-            self.singular_values
-                .iter()
-                .take_while(|&&s| s > floor.max(0.0))
-                .count()
-        };
+        let above =
+            |floor: f64| self.singular_values.iter().take_while(|&&s| s > floor.max(0.0)).count();
         match truncation {
             Truncation::Relative(tolerance) => above(tolerance * largest),
             Truncation::Effect(floor) => above(floor),
@@ -147,9 +139,7 @@ impl Spectrum {
     /// number between that they see it only mixed with others. The sum over all columns is `rank`.
     pub fn observed_fraction(&self, rank: usize) -> Vec<f64> {
         let retained = |k| &self.v.row(k)[..rank];
-        (0..self.columns())
-            .map(|k| dot(retained(k), retained(k)).min(1.0))
-            .collect()
+        (0..self.columns()).map(|k| dot(retained(k), retained(k)).min(1.0)).collect()
     }
 
     /// An orthonormal basis of the directions that are not retained, `n x (n - rank)`, in scaled
@@ -165,10 +155,7 @@ impl Spectrum {
     /// Parts smaller than `drop` times the largest part of their direction, in scaled coefficients, are
     /// left out; 1e-6 suits exact dependences, 1e-2 those that only noise hides.
     pub fn null_directions(&self, rank: usize, drop: f64) -> Vec<NullDirection> {
-        sparse_basis(&self.null_space(rank), drop)
-            .into_iter()
-            .map(|z| self.direction(&z))
-            .collect()
+        sparse_basis(&self.null_space(rank), drop).into_iter().map(|z| self.direction(&z)).collect()
     }
 
     /// A direction in scaled coefficients, told in the units of the coefficients.
@@ -316,10 +303,7 @@ mod tests {
                     parts.any(|p| p.0 == k && (p.1 / x - 1.0).abs() < 1e-9)
                 })
         };
-        assert!(
-            told(&directions[0], &[(0, 1.0), (5, 1.0)]),
-            "{directions:?}"
-        );
+        assert!(told(&directions[0], &[(0, 1.0), (5, 1.0)]), "{directions:?}");
         let group = [(6, 1.0), (1, -2.0), (2, -300.0)];
         let second = &directions[1];
         let unit = second.parts.iter().find(|p| p.0 == 6).unwrap().1;

@@ -58,9 +58,7 @@ impl Decomposition {
         let of_matrix = norm((0..n).flat_map(|i| a.row(i).iter().copied()));
         let agree = (of_values - of_matrix).abs() <= FROBENIUS_TOLERANCE / 2.0 * of_matrix;
         if !agree {
-            return Err(failed(
-                "their squares do not sum to the squares of the matrix",
-            ));
+            return Err(failed("their squares do not sum to the squares of the matrix"));
         }
         Ok(Self {
             singular_values,

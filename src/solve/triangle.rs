@@ -65,9 +65,6 @@ impl Triangle {
         row.fill(0.0);
         narrow.push(&row, self.residual_norm);
         let triangle = narrow.finish()?;
-        Ok(Self {
-            rows: self.rows,
-            ..triangle
-        })
+        Ok(Self { rows: self.rows, ..triangle })
     }
 }

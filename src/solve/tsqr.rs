@@ -42,13 +42,7 @@ pub struct Tsqr {
 impl Tsqr {
     /// An empty problem with `n` columns and a right-hand side.
     pub fn new(columns: usize) -> Self {
-        Self {
-            columns,
-            fold: Fold::new(columns + 1),
-            filled: 0,
-            rows: 0,
-            not_finite: None,
-        }
+        Self { columns, fold: Fold::new(columns + 1), filled: 0, rows: 0, not_finite: None }
     }
 
     /// Number of columns `n`, without the right-hand side.
@@ -83,11 +77,7 @@ impl Tsqr {
     ///
     /// If `row` has not `n` elements.
     pub fn push_weighted(&mut self, row: &[f64], rhs: f64, factor: f64) {
-        assert_eq!(
-            row.len(),
-            self.columns,
-            "a row has one element for each column"
-        );
+        assert_eq!(row.len(), self.columns, "a row has one element for each column");
         // Zero times a number is zero unless the number is not finite: one sum tells for the row.
         let mut poison = 0.0;
         let values = row.iter().chain(std::iter::once(&rhs));
@@ -205,11 +195,7 @@ mod tests {
     fn difference(triangle: &Triangle, rows: usize) -> f64 {
         let n = triangle.columns();
         let data = |i: usize, k: usize| {
-            if k < n {
-                element(i, k)
-            } else {
-                (i as f64).sin()
-            }
+            if k < n { element(i, k) } else { (i as f64).sin() }
         };
         let r = |i: usize, k: usize| match (i < n, k < n) {
             (true, true) => triangle.r[(i, k)],
@@ -264,10 +250,8 @@ mod tests {
         for i in 0..1500 {
             narrow.push(&columns.map(|k| element(i, k)), (i as f64).sin());
         }
-        let (selected, narrow) = (
-            wide.finish().unwrap().select(&columns).unwrap(),
-            narrow.finish().unwrap(),
-        );
+        let (selected, narrow) =
+            (wide.finish().unwrap().select(&columns).unwrap(), narrow.finish().unwrap());
         assert_eq!(selected.rows(), 1500);
         assert!((selected.residual_norm() - narrow.residual_norm()).abs() < 1e-12);
         for i in 0..3 {
@@ -289,9 +273,7 @@ mod tests {
             let triangle = tsqr.finish().unwrap();
             let r = (0..23).flat_map(|i| triangle.r.row(i).to_vec());
             let all = r.chain(triangle.q_t_rhs.clone());
-            all.chain([triangle.residual_norm])
-                .map(f64::to_bits)
-                .collect::<Vec<_>>()
+            all.chain([triangle.residual_norm]).map(f64::to_bits).collect::<Vec<_>>()
         };
         let first = run(0);
         for padding in [8, 24, 1000, 5000, 100_008] {
@@ -313,10 +295,7 @@ mod tests {
         let mut tsqr = Tsqr::new(3);
         tsqr.push(&ROW, f64::NAN);
         let error = tsqr.finish().unwrap_err();
-        assert_eq!(
-            error.what,
-            "the right-hand side of row 0 is not a finite number"
-        );
+        assert_eq!(error.what, "the right-hand side of row 0 is not a finite number");
         let mut tsqr = Tsqr::new(3);
         tsqr.push_prior(2, 0.0, 0.0);
         assert!(tsqr.finish().unwrap_err().what.starts_with("column 2 "));

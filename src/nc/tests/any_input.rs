@@ -23,13 +23,7 @@ fn check(program: &Program) {
         assert_eq!(pair[0].end_mm, pair[1].start_mm, "the path has no gap");
     }
     for motion in moves {
-        assert!(
-            motion
-                .start_mm
-                .iter()
-                .chain(&motion.end_mm)
-                .all(|x| x.is_finite())
-        );
+        assert!(motion.start_mm.iter().chain(&motion.end_mm).all(|x| x.is_finite()));
         assert!(motion.rapid || motion.feed_mm_s > 0.0);
         match motion.path {
             Path::Line => assert!(motion.end_mm != motion.start_mm),
@@ -40,12 +34,7 @@ fn check(program: &Program) {
     }
     let ends = |action| matches!(action, Action::End);
     assert!(ends(program.steps.last().unwrap().action));
-    assert!(
-        program
-            .steps
-            .iter()
-            .all(|step| step.label < program.labels.len())
-    );
+    assert!(program.steps.iter().all(|step| step.label < program.labels.len()));
 }
 
 #[test]

@@ -40,14 +40,7 @@ fn a_ball_bar_program_is_read_as_it_runs() {
     assert_eq!(program.number, Some(1005));
     assert_eq!(
         program.labels,
-        [
-            "",
-            "BALL-BAR 3D6 R150 F500",
-            "FIT BALL-BAR",
-            "EQUATOR CCW",
-            "EQUATOR CW",
-            "RELEASE"
-        ]
+        ["", "BALL-BAR 3D6 R150 F500", "FIT BALL-BAR", "EQUATOR CCW", "EQUATOR CW", "RELEASE"]
     );
     let told: Vec<String> = program
         .steps
@@ -88,22 +81,11 @@ fn every_end_of_line_gives_the_same_program() {
     let plain = program(BALL_BAR);
     for end in ["\r\n", "\n\r\r", ";\n", " ; \r\n"] {
         // A header line % has no end of block.
-        let other = BALL_BAR
-            .replace('\n', end)
-            .replace("%;", "%")
-            .replace("% ;", "%");
+        let other = BALL_BAR.replace('\n', end).replace("%;", "%").replace("% ;", "%");
         assert_eq!(program(&other), plain, "{end:?}");
     }
-    assert_eq!(
-        program(&format!("\u{feff}{BALL_BAR}")),
-        plain,
-        "byte order mark"
-    );
-    assert_eq!(
-        program(&BALL_BAR.to_lowercase()).steps,
-        plain.steps,
-        "lower case"
-    );
+    assert_eq!(program(&format!("\u{feff}{BALL_BAR}")), plain, "byte order mark");
+    assert_eq!(program(&BALL_BAR.to_lowercase()).steps, plain.steps, "lower case");
 }
 
 #[test]
@@ -113,12 +95,7 @@ fn what_stands_outside_the_two_percent_lines_is_not_read() {
     let framed = framed.replacen("\n%\n", "\n% TITLE = 1\n", 1);
     let steps = program(&framed).steps;
     assert_eq!(steps.len(), plain.steps.len());
-    assert!(
-        steps
-            .iter()
-            .zip(&plain.steps)
-            .all(|(a, b)| a.line == b.line + 1)
-    );
+    assert!(steps.iter().zip(&plain.steps).all(|(a, b)| a.line == b.line + 1));
     let bare = BALL_BAR.replace("%\n", "");
     assert_eq!(program(&bare).steps.len(), plain.steps.len());
 }
@@ -149,16 +126,11 @@ M99
     let program = program(source);
     let lines: Vec<usize> = program.steps.iter().map(|step| step.line).collect();
     assert_eq!(lines, [8, 12, 8, 12, 8, 12, 12, 6]);
-    let labels: Vec<&str> = program
-        .steps
-        .iter()
-        .map(|step| program.labels[step.label].as_str())
-        .collect();
+    let labels: Vec<&str> =
+        program.steps.iter().map(|step| program.labels[step.label].as_str()).collect();
     assert_eq!(labels[0], "STEP");
     assert_eq!(labels[6..], ["AFTER", "AFTER"]);
-    let Action::Move(last) = program.steps[6].action else {
-        panic!("no move")
-    };
+    let Action::Move(last) = program.steps[6].action else { panic!("no move") };
     assert_eq!(last.end_mm, nalgebra::Vector3::new(23.0, -31.0, 40.0));
 }
 
@@ -194,10 +166,7 @@ fn comments_stand_anywhere() {
     let source = "(FIRST)\nO7(SECOND)\nG90(A)G00 X0.( B )Y0. Z0.\nX1.(C)(D)\n()\nX2.\nM30\n";
     let program = program(source);
     assert_eq!(program.number, Some(7));
-    assert_eq!(
-        program.labels,
-        ["", "FIRST", "SECOND", "A", "B", "C", "D", ""]
-    );
+    assert_eq!(program.labels, ["", "FIRST", "SECOND", "A", "B", "C", "D", ""]);
     let labels: Vec<usize> = program.steps.iter().map(|step| step.label).collect();
     assert_eq!(labels, [6, 7, 7]);
 }
@@ -206,18 +175,8 @@ fn comments_stand_anywhere() {
 fn a_file_that_is_no_program_is_told_apart() {
     let folder = tempfile::tempdir().unwrap();
     for (name, bytes, what, place) in [
-        (
-            "binary.nc",
-            &b"%\nO1\n\x00\x01M30\n%\n"[..],
-            "binary",
-            (0, 0),
-        ),
-        (
-            "latin.nc",
-            &b"%\nO1 (FR\xc4SEN)\nM30\n%\n"[..],
-            "0xc4",
-            (2, 7),
-        ),
+        ("binary.nc", &b"%\nO1\n\x00\x01M30\n%\n"[..], "binary", (0, 0)),
+        ("latin.nc", &b"%\nO1 (FR\xc4SEN)\nM30\n%\n"[..], "0xc4", (2, 7)),
         ("empty.nc", &b""[..], "empty", (0, 0)),
         ("blank.nc", &b" \r\n\n"[..], "empty", (0, 0)),
         ("marks.nc", &b"%\n%\n"[..], "no program", (0, 0)),

@@ -17,12 +17,8 @@ use crate::error::Result;
 /// G54 as on the machine of the sample measurements, and a second offset to tell them apart.
 fn offsets() -> Reading {
     let mut reading = Reading::default();
-    reading
-        .work_offsets_mm
-        .insert(54, Vector3::new(20.0, -35.0, 40.0));
-    reading
-        .work_offsets_mm
-        .insert(55, Vector3::new(100.0, 200.0, 300.0));
+    reading.work_offsets_mm.insert(54, Vector3::new(20.0, -35.0, 40.0));
+    reading.work_offsets_mm.insert(55, Vector3::new(100.0, 200.0, 300.0));
     reading
 }
 
@@ -40,20 +36,15 @@ fn actions(blocks: &str) -> Vec<Action> {
     let source = format!("G90 G00 X0. Y0. Z0.\n{blocks}\nM30\n");
     let steps = program(&source).steps;
     assert_eq!(steps.last().unwrap().action, Action::End);
-    steps[..steps.len() - 1]
-        .iter()
-        .map(|step| step.action)
-        .collect()
+    steps[..steps.len() - 1].iter().map(|step| step.action).collect()
 }
 
 /// The moves of such a program.
 fn moves(blocks: &str) -> Vec<Move> {
-    let moves = actions(blocks)
-        .into_iter()
-        .filter_map(|action| match action {
-            Action::Move(motion) => Some(motion),
-            _ => None,
-        });
+    let moves = actions(blocks).into_iter().filter_map(|action| match action {
+        Action::Move(motion) => Some(motion),
+        _ => None,
+    });
     moves.collect()
 }
 

@@ -13,10 +13,7 @@ fn sweeps(blocks: &str) -> Vec<f64> {
         Path::Arc { sweep_rad, .. } => Some(sweep_rad),
         Path::Line => None,
     };
-    moves(blocks)
-        .into_iter()
-        .filter_map(|motion| sweep(motion.path))
-        .collect()
+    moves(blocks).into_iter().filter_map(|motion| sweep(motion.path)).collect()
 }
 
 #[test]
@@ -71,11 +68,7 @@ fn a_move_that_goes_nowhere_is_no_step() {
 
 #[test]
 fn incremental_moves_add_up_and_absolute_ones_do_not() {
-    assert_near(
-        end_mm("G91 G00 X1. Y2.\nX1.\nG90 Z5."),
-        [2.0, 2.0, 5.0],
-        "mixed",
-    );
+    assert_near(end_mm("G91 G00 X1. Y2.\nX1.\nG90 Z5."), [2.0, 2.0, 5.0], "mixed");
 }
 
 #[test]
@@ -107,11 +100,7 @@ fn a_dwell_is_in_milliseconds_or_with_a_point_in_seconds() {
     ] {
         assert_eq!(actions(block), [Action::Dwell { seconds }], "{block}");
     }
-    assert_eq!(
-        actions("G01 F60 X1.\nG04 X1.\nX2.").len(),
-        3,
-        "G01 goes on after a dwell"
-    );
+    assert_eq!(actions("G01 F60 X1.\nG04 X1.\nX2.").len(), 3, "G01 goes on after a dwell");
 }
 
 #[test]
@@ -123,12 +112,7 @@ fn arcs_turn_by_the_right_hand_about_the_normal_of_their_plane() {
     ] {
         for (word, sweep) in [("G03", FRAC_PI_2), ("G02", -3.0 * FRAC_PI_2)] {
             let block = format!("{plane} {word} {ends} F600");
-            let Path::Arc {
-                axis: found,
-                sweep_rad,
-                center_mm,
-            } = moves(&block)[0].path
-            else {
+            let Path::Arc { axis: found, sweep_rad, center_mm } = moves(&block)[0].path else {
                 panic!("{block} is no arc")
             };
             assert_eq!(found, axis, "{block}");
@@ -174,19 +158,13 @@ fn a_negative_radius_takes_the_longer_arc() {
 fn a_helix_ends_at_the_height_of_its_third_axis() {
     let found = moves("G03 I10. Z-5. F600")[0];
     assert_near(found.end_mm, [20.0, -35.0, 35.0], "helix");
-    let Path::Arc { center_mm, .. } = found.path else {
-        panic!("a line")
-    };
+    let Path::Arc { center_mm, .. } = found.path else { panic!("a line") };
     assert_near(center_mm, [30.0, -35.0, 40.0], "centre");
 }
 
 #[test]
 fn an_arc_ends_where_it_is_programmed_although_its_radius_is_rounded() {
-    assert_near(
-        end_mm("G03 X10. Y10.009 J10. F600"),
-        [10.0, 10.009, 0.0],
-        "arc",
-    );
+    assert_near(end_mm("G03 X10. Y10.009 J10. F600"), [10.0, 10.009, 0.0], "arc");
 }
 
 #[test]
@@ -197,14 +175,8 @@ fn nothing_is_known_of_a_positioning_from_an_unknown_place() {
     assert_eq!(lines, [4, 5, 6]);
     let partly = program("G90 G00 X1.\nG91 X1.\nG90 G53 G00 Y0. Z0.\nX1.\nM30\n");
     assert_eq!(partly.steps.len(), 2);
-    let Action::Move(motion) = partly.steps[0].action else {
-        panic!("no move")
-    };
-    assert_near(
-        motion.start_mm,
-        [22.0, 0.0, 0.0],
-        "X moved by G91 where it was known",
-    );
+    let Action::Move(motion) = partly.steps[0].action else { panic!("no move") };
+    assert_near(motion.start_mm, [22.0, 0.0, 0.0], "X moved by G91 where it was known");
 }
 
 #[test]
@@ -217,8 +189,5 @@ fn words_without_effect_on_the_path_are_accepted() {
 #[test]
 fn stops_stand_after_the_motion_of_their_block() {
     let found = actions("G01 X1. F60 M00\nM01");
-    assert!(
-        matches!(found[..], [Action::Move(_), Action::Stop]),
-        "{found:?}"
-    );
+    assert!(matches!(found[..], [Action::Move(_), Action::Stop]), "{found:?}");
 }

@@ -132,11 +132,7 @@ fn a_feed_move_needs_a_feed() {
         ("G02 I1.", 5, "without a feed"),
     ]);
     refuse(&[
-        (
-            "G90 G00 X0. Y0. Z0. F100\nG20\nG01 X1.\nM30\n",
-            (3, 5),
-            "without a feed",
-        ),
+        ("G90 G00 X0. Y0. Z0. F100\nG20\nG01 X1.\nM30\n", (3, 5), "without a feed"),
         ("G90 G00 X0. Y0. Z0. F-100\nM30\n", (1, 21), "negative"),
     ]);
 }
@@ -144,17 +140,9 @@ fn a_feed_move_needs_a_feed() {
 #[test]
 fn a_move_from_an_unknown_place_is_refused() {
     refuse(&[
-        (
-            "G90 G01 X1. F60\nM30\n",
-            (1, 9),
-            "X and Y and Z that is not known",
-        ),
+        ("G90 G01 X1. F60\nM30\n", (1, 9), "X and Y and Z that is not known"),
         ("G90 G00 X1. Y1.\nG01 X2. F60\nM30\n", (2, 5), "place of Z"),
-        (
-            "G90 G00 X1. Y1.\nG01 X2. Y2. Z2. F60\nM30\n",
-            (2, 5),
-            "place of Z",
-        ),
+        ("G90 G00 X1. Y1.\nG01 X2. Y2. Z2. F60\nM30\n", (2, 5), "place of Z"),
         ("G90 G00 X1. Y1.\nG03 I1. F60\nM30\n", (2, 5), "place of Z"),
         ("G91 G00 X1.\nM30\n", (1, 9), "place of X"),
         ("G90 X1.\nM30\n", (1, 5), "before the first G00"),
@@ -175,47 +163,23 @@ fn machine_coordinates_are_refused_where_controls_differ() {
 fn an_arc_that_does_not_exist_is_refused() {
     refuse_blocks(&[
         ("G02 X10. F60", 1, "without I, J, K and R"),
-        (
-            "G02 X10. I4.98 F60",
-            10,
-            "radius 4.9800 mm and ends at radius 5.0200 mm",
-        ),
+        ("G02 X10. I4.98 F60", 10, "radius 4.9800 mm and ends at radius 5.0200 mm"),
         ("G02 I0. F60", 5, "the centre of the arc is its start"),
         ("G02 X10. I5. R5. F60", 14, "by centre and by radius"),
-        (
-            "G02 X10. R4.9 F60",
-            10,
-            "radius 4.9000 mm is too small for ends 10.0000 mm apart",
-        ),
+        ("G02 X10. R4.9 F60", 10, "radius 4.9000 mm is too small for ends 10.0000 mm apart"),
         ("G02 X10. R0. F60", 10, "too small"),
         ("G02 X0. R5. F60", 9, "ends where it starts"),
         ("G02 R5. F60", 5, "ends where it starts"),
-        (
-            "G02 X10. I5. K1. F60",
-            14,
-            "K is not in the plane of the arc, XY (G17)",
-        ),
-        (
-            "G18 G02 X10. J5. F60",
-            14,
-            "J is not in the plane of the arc, ZX (G18)",
-        ),
-        (
-            "G19 G02 Y10. I5. F60",
-            14,
-            "I is not in the plane of the arc, YZ (G19)",
-        ),
+        ("G02 X10. I5. K1. F60", 14, "K is not in the plane of the arc, XY (G17)"),
+        ("G18 G02 X10. J5. F60", 14, "J is not in the plane of the arc, ZX (G18)"),
+        ("G19 G02 Y10. I5. F60", 14, "I is not in the plane of the arc, YZ (G19)"),
     ]);
 }
 
 #[test]
 fn a_program_has_one_beginning_and_one_end() {
     refuse(&[
-        (
-            "%\nO1\nG90\nG00 X1.\n",
-            (4, 0),
-            "ends at line 4 without M30",
-        ),
+        ("%\nO1\nG90\nG00 X1.\n", (4, 0), "ends at line 4 without M30"),
         ("%\nO1\nG90\n%\n", (3, 0), "ends at line 3 without M30"),
         ("%\nO1\n%\n", (2, 0), "ends at line 2 without M30"),
         ("O1\nG90\nO2\nM99\n", (2, 0), "ends at line 2 without M30"),
@@ -233,25 +197,13 @@ fn a_program_has_one_beginning_and_one_end() {
 fn a_call_that_leads_nowhere_is_refused() {
     refuse(&[
         ("M98 P1000\nM30\n", (1, 5), "no subprogram O1000"),
-        (
-            "M98 P1000.\nM30\nO1000\nM99\n",
-            (1, 5),
-            "no subprogram O1000",
-        ),
+        ("M98 P1000.\nM30\nO1000\nM99\n", (1, 5), "no subprogram O1000"),
         ("M98\nM30\n", (1, 1), "M98 without P"),
         ("M98 P5 L0\nM30\nO5\nM99\n", (1, 8), "number of repeats"),
-        (
-            "M98 P5\nM30\nO5\nG90\n",
-            (4, 0),
-            "O5 ends at line 4 without M99",
-        ),
+        ("M98 P5\nM30\nO5\nG90\n", (4, 0), "O5 ends at line 4 without M99"),
         ("M98 P5\nM30\nO5\nM99 P10\n", (4, 5), "P10 has no meaning"),
         ("M98 P5\nM30\nO5\nM98 P5\nM99\n", (4, 1), "more than 4 deep"),
-        (
-            "M98 P5 L9999\nM30\nO5\nM98 P6 L9999\nM99\nO6\nM99\n",
-            (7, 0),
-            "more than 10000 blocks",
-        ),
+        ("M98 P5 L9999\nM30\nO5\nM98 P6 L9999\nM99\nO6\nM99\n", (7, 0), "more than 10000 blocks"),
     ]);
 }
 
