@@ -17,12 +17,14 @@
 //! **Rank.** A direction in coefficient space counts as observed when its effect over the measured
 //! sphere stands out of the noise, see [`SEEN_UM`].
 
+mod campaign;
 mod fit;
 mod repeats;
 mod residuals;
 mod timing;
 mod words;
 
+pub use campaign::{align_run, campaign};
 pub use fit::{Estimate, Identification, Options, RunInput, SEEN_UM, identify};
 pub use repeats::{Repeat, repeats};
 pub use residuals::{ArcResiduals, Record, arcs, rms_mm};

@@ -1,4 +1,4 @@
-//! Programs of the control: reading one back as the moves it makes.
+//! Programs of the control: writing a planned path, and reading one back as the moves it makes.
 //!
 //! The program that ran is the truth about the path: it was rounded, cut into chords and perhaps edited
 //! after it was planned. [`read()`] therefore follows a program block by block, as a Fanuc 15i/150i does,
@@ -47,6 +47,8 @@ mod read;
 mod run;
 #[cfg(test)]
 mod tests;
+mod write;
 
 pub use program::{Action, Move, Path, Program, Step};
 pub use read::{Reading, read, read_file};
+pub use write::{ReadBack, read_back, write};

@@ -1,0 +1,51 @@
+//! Completions and man pages.
+
+use clap::{Args, CommandFactory};
+use clap_complete::Shell;
+
+use super::output::{self, Files, Talk};
+use super::{Cli, Common};
+use crate::error::{Error, Kind, Result};
+
+/// Print the completions of a shell on stdout
+#[derive(Args)]
+pub(super) struct Completions {
+    /// The shell
+    shell: Shell,
+}
+
+impl Completions {
+    pub(super) fn run(&self) -> Result<()> {
+        let mut text = Vec::new();
+        clap_complete::generate(self.shell, &mut Cli::command(), "ballbar", &mut text);
+        output::print(&String::from_utf8_lossy(&text))
+    }
+}
+
+/// Write the man pages
+#[derive(Args)]
+pub(super) struct Man {}
+
+impl Man {
+    pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
+        let mut files = Files::default();
+        let whole = Cli::command();
+        let pages = std::iter::once(whole.clone())
+            .chain(whole.get_subcommands().filter(|c| !c.is_hide_set()).cloned());
+        for page in pages {
+            let name = match page.get_name() {
+                "ballbar" => "ballbar".to_owned(),
+                subcommand => format!("ballbar-{subcommand}"),
+            };
+            let mut text = Vec::new();
+            clap_mangen::Man::new(page.name(name.clone())).render(&mut text).map_err(|error| {
+                Error::new(Kind::Output, format!("cannot make the man page: {error}"))
+            })?;
+            files.add(common.output.join(format!("{name}.1")), text);
+        }
+        for file in files.write()? {
+            talk.say(&format!("wrote {}", file.display()));
+        }
+        Ok(())
+    }
+}

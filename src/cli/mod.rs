@@ -1,0 +1,99 @@
+//! The command line: one file a subcommand, and the only room that prints.
+//!
+//! Data goes to stdout, talk to stderr. Exit codes: 0 done; 1 a file or a value cannot be used; 2 the
+//! command line is wrong; 3 a log does not belong to its program; 4 the data cannot determine what was
+//! asked for; 5 a result cannot be written.
+
+mod align;
+mod analyse;
+mod demo;
+mod identify;
+mod machines;
+mod manual;
+mod output;
+mod program;
+mod simulate;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+
+use output::Talk;
+
+/// Programs for a telescoping ball-bar, alignment of its logs, identification of the machine.
+#[derive(Parser)]
+#[command(version, about, long_about = LONG_ABOUT, after_help = AFTER_HELP, disable_help_subcommand = true)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    #[command(flatten)]
+    common: Common,
+}
+
+const LONG_ABOUT: &str = "Programs for a telescoping ball-bar, alignment of its logs, identification of the machine.\n\n\
+A machine file says what the machine is, a test file says what is tested, with what, and what was measured. \
+`program` writes the NC programs, the machine runs them, `analyse` makes coefficients and a report of the logs.";
+
+const AFTER_HELP: &str = "Examples:
+  ballbar demo                                 the whole chain on measured logs, in a few seconds
+  ballbar program test.toml -o out             write the NC programs of a test
+  ballbar analyse test.toml -o out             align the logs, identify, write the report
+  ballbar identify test.toml --json | jq .     coefficients for another program
+
+Exit codes: 0 done, 1 a file or value cannot be used, 2 wrong command line, 3 a log does not belong to
+its program, 4 the data cannot determine what was asked for, 5 a result cannot be written";
+
+/// Options that every subcommand takes.
+#[derive(Args)]
+struct Common {
+    /// Directory for results; made if it is not there
+    #[arg(short, long, global = true, default_value = "out", value_name = "DIR")]
+    output: PathBuf,
+    /// Print results as JSON on stdout instead of text
+    #[arg(long, global = true)]
+    json: bool,
+    /// Print nothing but results and errors
+    #[arg(short, long, global = true)]
+    quiet: bool,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Program(program::Arguments),
+    Simulate(simulate::Arguments),
+    Align(align::Arguments),
+    Identify(identify::Arguments),
+    Analyse(analyse::Arguments),
+    Demo(demo::Arguments),
+    Machines(machines::Arguments),
+    #[command(hide = true)]
+    Completions(manual::Completions),
+    #[command(hide = true)]
+    Man(manual::Man),
+}
+
+/// Runs the program: parses the command line, does it, prints errors, gives the exit code.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let talk = Talk::new(cli.common.quiet);
+    let common = &cli.common;
+    let done = match &cli.command {
+        Command::Program(arguments) => arguments.run(common, &talk),
+        Command::Simulate(arguments) => arguments.run(common, &talk),
+        Command::Align(arguments) => arguments.run(common, &talk),
+        Command::Identify(arguments) => arguments.run(common, &talk),
+        Command::Analyse(arguments) => arguments.run(common, &talk),
+        Command::Demo(arguments) => arguments.run(common, &talk),
+        Command::Machines(arguments) => arguments.run(common, &talk),
+        Command::Completions(arguments) => arguments.run(),
+        Command::Man(arguments) => arguments.run(common, &talk),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            talk.error(&error);
+            ExitCode::from(error.kind.exit_code())
+        }
+    }
+}

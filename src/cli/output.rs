@@ -1,0 +1,130 @@
+//! How the program speaks: data on stdout, talk on stderr, files that appear whole or not at all.
+
+use std::io::{IsTerminal, Write};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::error::{Error, Kind, Place, Result};
+
+/// What goes to stderr.
+pub(super) struct Talk {
+    quiet: bool,
+    colour: bool,
+}
+
+impl Talk {
+    pub(super) fn new(quiet: bool) -> Self {
+        let terminal = std::io::stderr().is_terminal();
+        Self { quiet, colour: terminal && std::env::var_os("NO_COLOR").is_none() }
+    }
+
+    /// A line for the user, unless he wants quiet.
+    pub(super) fn say(&self, text: &str) {
+        if !self.quiet {
+            // Nobody left to read it is no reason to fail.
+            let _ = writeln!(std::io::stderr(), "{text}");
+        }
+    }
+
+    pub(super) fn error(&self, error: &Error) {
+        let (red, plain) = if self.colour { ("\x1b[1;31m", "\x1b[0m") } else { ("", "") };
+        let text = format!("{red}error{plain}: {error}");
+        let text = match self.colour {
+            true => text.replace("\nhint:", "\n\x1b[1;36mhint\x1b[0m:"),
+            false => text,
+        };
+        let _ = writeln!(std::io::stderr(), "{text}");
+    }
+
+    /// A bar on a terminal while something takes longer than a moment.
+    pub(super) fn progress(&self, total: usize, what: &'static str) -> ProgressBar {
+        if self.quiet || !std::io::stderr().is_terminal() {
+            return ProgressBar::hidden();
+        }
+        let style = ProgressStyle::with_template("{msg} [{bar:30}] {pos}/{len}")
+            .unwrap_or_else(|_| ProgressStyle::default_bar());
+        let bar = ProgressBar::new(total as u64).with_style(style).with_message(what);
+        bar.enable_steady_tick(Duration::from_millis(200));
+        bar
+    }
+}
+
+/// Data on stdout. A reader that went away, such as `head`, is no error.
+pub(super) fn print(text: &str) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Error::new(Kind::Output, format!("cannot write to stdout: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Files that belong together: nothing is written before all are ready.
+#[derive(Default)]
+pub(super) struct Files {
+    ready: Vec<(PathBuf, Vec<u8>)>,
+}
+
+impl Files {
+    pub(super) fn add(&mut self, file: PathBuf, content: impl Into<Vec<u8>>) {
+        self.ready.push((file, content.into()));
+    }
+
+    /// Writes all, each to a temporary file beside its place and then under its name.
+    pub(super) fn write(self) -> Result<Vec<PathBuf>> {
+        let mut staged = Vec::new();
+        for (file, content) in &self.ready {
+            staged.push((stage(file, content)?, file));
+        }
+        for (temporary, file) in staged {
+            temporary.persist(file).map_err(|error| cannot_write(file, &error.error))?;
+        }
+        Ok(self.ready.into_iter().map(|(file, _)| file).collect())
+    }
+}
+
+fn stage(file: &Path, content: &[u8]) -> Result<tempfile::NamedTempFile> {
+    let directory = match file.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    std::fs::create_dir_all(directory).map_err(|error| cannot_write(directory, &error))?;
+    if file.is_dir() {
+        return Err(Error::new(Kind::Output, "a directory stands where the file should go")
+            .at(Place::file(file))
+            .hint("choose another directory with `-o`"));
+    }
+    let write = || -> std::io::Result<tempfile::NamedTempFile> {
+        let mut builder = tempfile::Builder::new();
+        let mut temporary = with_usual_permissions(&mut builder).tempfile_in(directory)?;
+        temporary.write_all(content)?;
+        temporary.flush()?;
+        Ok(temporary)
+    };
+    write().map_err(|error| cannot_write(file, &error))
+}
+
+/// Temporary files are private by default; results are for everybody, as the umask allows.
+#[cfg(unix)]
+fn with_usual_permissions<'a, 'b>(
+    builder: &'a mut tempfile::Builder<'b, 'b>,
+) -> &'a mut tempfile::Builder<'b, 'b> {
+    use std::os::unix::fs::PermissionsExt;
+    builder.permissions(std::fs::Permissions::from_mode(0o666))
+}
+
+#[cfg(not(unix))]
+fn with_usual_permissions<'a, 'b>(
+    builder: &'a mut tempfile::Builder<'b, 'b>,
+) -> &'a mut tempfile::Builder<'b, 'b> {
+    builder
+}
+
+fn cannot_write(file: &Path, error: &std::io::Error) -> Error {
+    Error::new(Kind::Output, format!("cannot write: {error}"))
+        .at(Place::file(file))
+        .hint("choose a directory that can be written with `-o DIR`")
+}

@@ -1,0 +1,9 @@
+%
+O{{ number }} ({{ title }})
+{% for comment in header -%}
+({{ comment }})
+{% endfor -%}
+{% for block in blocks -%}
+{{ block }}
+{% endfor -%}
+%
