@@ -7,6 +7,7 @@
 mod align;
 mod analyse;
 mod demo;
+mod estimate;
 mod identify;
 mod machines;
 mod manual;

@@ -50,5 +50,5 @@ mod tests;
 mod write;
 
 pub use program::{Action, Move, Path, Program, Step};
-pub use read::{Reading, read, read_file};
+pub use read::{Reading, read, read_file, text_of};
 pub use write::{ReadBack, read_back, write};

@@ -68,18 +68,24 @@ pub(crate) fn read_at_most(
     })
 }
 
-/// Reads a program from a file.
+/// Reads a program from a file, gzipped or not.
 pub fn read_file(file: &Path, reading: &Reading) -> Result<Program> {
+    read(&text_of(file)?, file, reading)
+}
+
+/// The text of a program file, gzipped or not.
+///
+/// # Errors
+/// When the file cannot be read or is not text.
+pub fn text_of(file: &Path) -> Result<String> {
     let bytes = crate::input::read(file, "program")?;
     if bytes.contains(&0) {
         return Err(Error::input("the file is not a program but binary data")
             .at(Place::file(file))
             .hint("a program is plain text; an editor may have saved it as UTF-16"));
     }
-    match std::str::from_utf8(&bytes) {
-        Ok(source) => read(source, file, reading),
-        Err(error) => Err(not_text(&bytes, error.valid_up_to(), file)),
-    }
+    String::from_utf8(bytes)
+        .map_err(|error| not_text(error.as_bytes(), error.utf8_error().valid_up_to(), file))
 }
 
 /// The error of a byte that is no character.

@@ -110,7 +110,9 @@ impl Writer<'_> {
         let allowed = &self.controller.comment_characters;
         text.to_uppercase()
             .chars()
-            .filter(|c| c.is_ascii_alphanumeric() || (allowed.contains(*c) && !"()%;\n\r".contains(*c)))
+            .filter(|c| {
+                c.is_ascii_alphanumeric() || (allowed.contains(*c) && !"()%;\n\r".contains(*c))
+            })
             .collect()
     }
 
@@ -138,7 +140,8 @@ impl Writer<'_> {
             }
             Step::Feed(point) => {
                 let words = self.words(point);
-                let feed = if self.feed_written { String::new() } else { format!(" F{}", self.feed) };
+                let feed =
+                    if self.feed_written { String::new() } else { format!(" F{}", self.feed) };
                 self.block(&format!("G01 {}{feed}", words.join(" ")));
                 (self.at, self.feeding, self.feed_written) = (Some(words), true, true);
             }

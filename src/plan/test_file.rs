@@ -221,6 +221,14 @@ impl Test {
         &self.estimation
     }
 
+    /// How many tests the runs make: runs of the same repeat are one.
+    pub fn repeat_count(&self) -> usize {
+        let mut repeats: Vec<u32> = self.runs.iter().map(|run| run.repeat).collect();
+        repeats.sort_unstable();
+        repeats.dedup();
+        repeats.len()
+    }
+
     /// The measured runs.
     ///
     /// # Errors

@@ -1,0 +1,53 @@
+//! `ballbar align`: lays the logs of a test over its programs.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::Common;
+use super::estimate::Selection;
+use super::output::{self, Files, Talk};
+use crate::error::Result;
+use crate::report;
+
+/// Lay the logs of a test over its programs
+///
+/// The time map is refined together with the terms of the test file. Writes each run's samples, with
+/// their positions and the uncertainty of their time, as samples-RUN.csv.
+#[derive(Args)]
+#[command(after_help = "Examples:\n  ballbar align test.toml\n  ballbar align test.toml --json -o aligned")]
+pub(super) struct Arguments {
+    /// The test file
+    #[arg(value_name = "TEST")]
+    test: PathBuf,
+    #[command(flatten)]
+    selection: Selection,
+}
+
+impl Arguments {
+    pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
+        let identified = self.selection.identify(&self.test, talk)?;
+        let mut files = Files::default();
+        for identification in &identified.repeats {
+            for run in &identification.runs {
+                let mut text = Vec::new();
+                report::write_aligned(&mut text, run)?;
+                files.add(common.output.join(format!("samples-{}.csv", run.name)), text);
+            }
+        }
+        let analysis = identified.analysis();
+        files.write()?;
+        if common.json {
+            let runs: Vec<_> = analysis.runs().collect();
+            return output::print(&format!("{:#}\n", serde_json::json!(runs)));
+        }
+        for (run, told) in identified.repeats.iter().flat_map(|r| &r.runs).zip(analysis.runs()) {
+            output::print(&report::alignment_line(told))?;
+            talk.say(&format!(
+                "wrote {}",
+                common.output.join(format!("samples-{}.csv", run.name)).display()
+            ));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,61 @@
+//! `ballbar analyse`: align, identify and report in one.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::Common;
+use super::estimate::{Identified, Selection};
+use super::output::{self, Files, Talk};
+use crate::error::Result;
+use crate::report;
+
+/// Align the logs of a test, identify the machine, write the report
+///
+/// Writes report.html, analysis.json and samples-RUN.csv, and prints the summary.
+#[derive(Args)]
+#[command(after_help = "Examples:
+  ballbar analyse test.toml
+  ballbar analyse test.toml -o results --loss tukey
+  ballbar analyse test.toml --terms paper37 --minimum-norm --json")]
+pub(super) struct Arguments {
+    /// The test file
+    #[arg(value_name = "TEST")]
+    test: PathBuf,
+    #[command(flatten)]
+    selection: Selection,
+}
+
+impl Arguments {
+    pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
+        let identified = self.selection.identify(&self.test, talk)?;
+        let mut files = Files::default();
+        let json = add_results(&mut files, &common.output, &identified)?;
+        let files = files.write()?;
+        output::print(&if common.json { json } else { report::summary(&identified.analysis()) })?;
+        for file in files {
+            talk.say(&format!("wrote {}", file.display()));
+        }
+        Ok(())
+    }
+}
+
+/// Adds report, analysis and samples; returns the analysis as JSON.
+pub(super) fn add_results(
+    files: &mut Files,
+    directory: &Path,
+    identified: &Identified,
+) -> Result<String> {
+    let analysis = identified.analysis();
+    let json = analysis.to_json()?;
+    files.add(directory.join("report.html"), report::html::render(&analysis, &identified.repeats)?);
+    files.add(directory.join("analysis.json"), json.clone());
+    for identification in &identified.repeats {
+        for (run, records) in identification.runs.iter().zip(&identification.records) {
+            let mut text = Vec::new();
+            report::write_samples(&mut text, run, records)?;
+            files.add(directory.join(format!("samples-{}.csv", run.name)), text);
+        }
+    }
+    Ok(json)
+}

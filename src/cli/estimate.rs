@@ -1,0 +1,74 @@
+//! Options and steps that `align`, `identify`, `analyse` and `demo` share.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::output::Talk;
+use crate::error::Result;
+use crate::identify::{Identification, campaign};
+use crate::machine::Machine;
+use crate::plan::{Estimation, Loss, Test};
+use crate::report::Analysis;
+
+/// What to estimate, where it differs from the test file.
+#[derive(Args, Default)]
+pub(super) struct Selection {
+    /// Terms instead of the test file's: sets, names, -NAME; separated by commas
+    #[arg(long, value_name = "TERMS", value_delimiter = ',', allow_hyphen_values = true)]
+    terms: Vec<String>,
+    /// Weights of far-off samples
+    #[arg(long, value_enum)]
+    loss: Option<Weights>,
+    /// Where terms are confounded, take the shortest solution instead of refusing
+    #[arg(long)]
+    minimum_norm: bool,
+}
+
+/// See [`Loss`].
+#[derive(Clone, Copy, ValueEnum)]
+enum Weights {
+    Off,
+    Huber,
+    Tukey,
+}
+
+/// A test whose runs were identified.
+pub(super) struct Identified {
+    pub(super) test: Test,
+    pub(super) machine: Machine,
+    pub(super) estimation: Estimation,
+    pub(super) repeats: Vec<Identification>,
+}
+
+impl Selection {
+    /// Reads a test and identifies its runs.
+    pub(super) fn identify(&self, file: &PathBuf, talk: &Talk) -> Result<Identified> {
+        let test = Test::read(file)?;
+        let machine = test.machine()?;
+        let mut estimation = test.estimation().clone();
+        if !self.terms.is_empty() {
+            estimation.terms.clone_from(&self.terms);
+            estimation.minimum_norm |= self.terms.iter().any(|name| name == "all");
+        }
+        if let Some(loss) = self.loss {
+            estimation.loss = match loss {
+                Weights::Off => Loss::Off,
+                Weights::Huber => Loss::Huber,
+                Weights::Tukey => Loss::Tukey,
+            };
+        }
+        estimation.minimum_norm |= self.minimum_norm;
+        let progress = talk.progress(test.repeat_count(), "identifying");
+        let repeats = campaign(&test, &machine, &estimation, &|| progress.inc(1));
+        progress.finish_and_clear();
+        Ok(Identified { repeats: repeats?, test, machine, estimation })
+    }
+}
+
+impl Identified {
+    /// What is told about it.
+    pub(super) fn analysis(&self) -> Analysis {
+        Analysis::new(&self.test, &self.machine, &self.estimation, &self.repeats)
+    }
+}

@@ -1,0 +1,43 @@
+//! `ballbar identify`: coefficients of the runs of a test.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::Common;
+use super::estimate::Selection;
+use super::output::{self, Files, Talk};
+use crate::error::Result;
+use crate::report;
+
+/// Identify the machine from the logs of a test
+///
+/// Writes analysis.json and prints the summary, or with --json the analysis itself.
+#[derive(Args)]
+#[command(after_help = "Examples:
+  ballbar identify test.toml
+  ballbar identify test.toml --terms observable35,-EAZ3 --loss huber
+  ballbar identify test.toml --terms all --json")]
+pub(super) struct Arguments {
+    /// The test file
+    #[arg(value_name = "TEST")]
+    test: PathBuf,
+    #[command(flatten)]
+    selection: Selection,
+}
+
+impl Arguments {
+    pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
+        let identified = self.selection.identify(&self.test, talk)?;
+        let analysis = identified.analysis();
+        let json = analysis.to_json()?;
+        let mut files = Files::default();
+        files.add(common.output.join("analysis.json"), json.clone());
+        let files = files.write()?;
+        output::print(&if common.json { json } else { report::summary(&analysis) })?;
+        for file in files {
+            talk.say(&format!("wrote {}", file.display()));
+        }
+        Ok(())
+    }
+}

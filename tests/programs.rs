@@ -1,0 +1,152 @@
+//! Programs that come back: every strategy, on both machines, written and read again.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
+
+use std::path::Path as FilePath;
+
+use ballbar::machine::Machine;
+use ballbar::motion::Trajectory;
+use ballbar::nc;
+use ballbar::plan::{Path, Test};
+
+fn machine(name: &str, decimals: usize) -> Machine {
+    let file = FilePath::new(env!("CARGO_MANIFEST_DIR")).join("machines").join(name);
+    let source = std::fs::read_to_string(&file).unwrap();
+    let source = source.replace("decimals = 3", &format!("decimals = {decimals}"));
+    assert!(source.contains(&format!("decimals = {decimals}")));
+    Machine::parse(&source, &file).unwrap()
+}
+
+fn test(coincidence: &str, plan: &str) -> Test {
+    let source = format!(
+        "name = \"t\"\nmachine = \"m.toml\"\n[ball_bar]\nlength_mm = 150.0\n[[mounting]]\nname = \"A\"\n\
+         coincidence_mm = {coincidence}\ntool_ball_mm = [0.0, 0.0, -200.0]\n[plan]\nfeed_mm_min = 500.0\n{plan}\n"
+    );
+    Test::parse(&source, "t.toml".as_ref()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn written_and_read(machine: &Machine, test: &Test) -> (nc::Program, nc::ReadBack, String) {
+    let path = Path::plan(test, machine, 0).unwrap_or_else(|error| panic!("{error}"));
+    let text = nc::write(test, machine, &path).unwrap();
+    let mut reading = nc::Reading::default();
+    reading.work_offsets_mm.insert(54, test.mountings()[0].mounting.coincidence_mm);
+    let program =
+        nc::read(&text, "O.nc".as_ref(), &reading).unwrap_or_else(|error| panic!("{error}"));
+    let back = nc::read_back(&program, test, &path).unwrap();
+    (program, back, text)
+}
+
+#[test]
+fn every_strategy_reads_back_within_its_last_decimal() {
+    for (name, coincidence) in
+        [("hu40t.toml", "[20.0, -35.0, 40.0]"), ("vertical.toml", "[20.0, -35.0, -300.0]")]
+    {
+        for strategy in ["2d", "3d5", "3d6", "3d10"] {
+            for decimals in [3, 4] {
+                for sag_um in [0.4, 0.1, 5.7] {
+                    let plan = format!("strategy = \"{strategy}\"\nchord_sag_um = {sag_um}");
+                    let machine = machine(name, decimals);
+                    let (program, back, text) =
+                        written_and_read(&machine, &test(coincidence, &plan));
+                    let last_decimal_mm = 10_f64.powi(-(decimals as i32));
+                    println!(
+                        "{name:14} {strategy:5} {decimals} decimals: {} moves, worst {:.7} mm, sag {:.3} um",
+                        back.points,
+                        back.worst_mm,
+                        back.sag_mm * 1e3
+                    );
+                    assert!(back.worst_mm < 0.75 * last_decimal_mm, "{}", back.worst_mm);
+                    // The rounding of both ends lengthens a chord a little.
+                    assert!(back.sag_mm * 1e3 < sag_um * 1.01 + 0.002, "sag {}", back.sag_mm);
+                    assert!(
+                        back.sag_mm * 1e3 > sag_um * 0.9,
+                        "no finer than asked: {}",
+                        back.sag_mm
+                    );
+                    assert!(!text.contains("-0.000 ") && !text.contains("-0.0000 "));
+                    assert_eq!(program.number, Some(1001));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn every_slide_has_moved_before_the_bar_engages() {
+    let machine = machine("hu40t.toml", 3);
+    for azimuth in [0, 17, 45, 90, 137, 180, 270] {
+        let plan = format!(
+            "[[plan.arc]]\nkind = \"meridian\"\nazimuth_deg = {azimuth}.0\nsweep_deg = 90.0"
+        );
+        let test = test("[20.0, -35.0, 40.0]", &plan);
+        let (program, _, _) = written_and_read(&machine, &test);
+        let trajectory = Trajectory::new(&program, &machine, 1.0);
+        let stop = trajectory
+            .blocks()
+            .iter()
+            .find(|block| block.kind == ballbar::motion::BlockKind::Stop)
+            .unwrap();
+        let state = trajectory.at(stop.start_s);
+        assert!(state.sense.iter().all(|sense| sense.abs() == 1.0), "{azimuth}: {}", state.sense);
+        let distance = (state.position_mm - test.mountings()[0].mounting.coincidence_mm).norm();
+        assert!(distance > 151.2, "the bar is fitted outside its range, at {distance}");
+    }
+}
+
+#[test]
+fn free_arcs_stay_on_the_sphere() {
+    let machine = machine("hu40t.toml", 3);
+    let plan = "[[plan.arc]]\nkind = \"parallel\"\npolar_deg = 50.0\n\
+        [[plan.arc]]\nkind = \"circle\"\nstart = [1.0, 0.0, 0.2]\nnormal = [0.1, 0.3, 1.0]\nsweep_deg = -120.0\n\
+        [[plan.arc]]\nkind = \"meridian\"\nazimuth_deg = 30.0\nstart_deg = 20.0\nsweep_deg = 100.0\nname = \"part\"";
+    let test = test("[20.0, -35.0, 40.0]", plan);
+    let path = Path::plan(&test, &machine, 0).unwrap();
+    let chords = path.steps.iter().filter_map(|step| match step {
+        ballbar::plan::Step::Chords(points) => Some(points),
+        _ => None,
+    });
+    let mut count = 0;
+    for point in chords.flatten() {
+        assert!((point.norm() - 150.0).abs() < 1e-9);
+        count += 1;
+    }
+    assert!(count > 1000);
+    let (_, back, text) = written_and_read(&machine, &test);
+    assert!(back.worst_mm < 0.00075);
+    for name in ["(ARC 1 CCW)", "(ARC 1 CW)", "(ARC 2 FORWARD)", "(PART BACKWARD)", "(TRANSIT)"] {
+        assert!(text.contains(name), "{name}");
+    }
+}
+
+#[test]
+fn stops_between_arcs_replace_the_dwells() {
+    let machine = machine("hu40t.toml", 3);
+    let test = test("[20.0, -35.0, 40.0]", "strategy = \"2d\"\nstop_between_arcs = true");
+    let (program, _, text) = written_and_read(&machine, &test);
+    let duration = Trajectory::new(&program, &machine, 1.0).duration();
+    // Fitting the bar, and one after each of the six arcs and the one transit.
+    assert_eq!(duration.stops, 8);
+    assert!(text.contains("M00 (PRESS START TO GO ON)"));
+}
+
+#[test]
+fn a_path_beyond_the_travel_names_axis_and_figures() {
+    let machine = machine("hu40t.toml", 3);
+    let test = test("[200.0, -35.0, 40.0]", "strategy = \"3d6\"");
+    let error = Path::plan(&test, &machine, 0).unwrap_err();
+    assert!(error.what.contains("axis X would have to go to 371.500 mm"), "{error}");
+    assert!(error.what.contains("mounting `A`"), "{error}");
+}
+
+#[test]
+fn the_program_is_what_an_operator_expects() {
+    let machine = machine("hu40t.toml", 3);
+    let test = test(
+        "[20.0, -35.0, 40.0]",
+        "[[plan.arc]]\nkind = \"equator\"\nsweep_deg = 3.0\n[[plan.arc]]\nkind = \"meridian\"\nazimuth_deg = 90.0\nsweep_deg = 2.0",
+    );
+    let (_, _, text) = written_and_read(&machine, &test);
+    insta::with_settings!({filters => vec![(r"SHA256 [0-9A-F]+", "SHA256 [HASH]")]}, {
+        insta::assert_snapshot!(text);
+    });
+}
