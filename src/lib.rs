@@ -10,6 +10,7 @@ pub mod model;
 pub mod motion;
 pub mod nc;
 pub mod plan;
+pub mod report;
 pub mod solve;
 mod toml_text;
 

@@ -1,0 +1,345 @@
+//! Everything that is told, as plain numbers with their units in the names of the fields.
+//!
+//! The schema is documented field by field in `docs/analysis-schema.md`.
+
+use serde::Serialize;
+
+use super::machine_errors::MachineErrors;
+use crate::error::{Error, Kind, Result};
+
+/// The results of a test.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Analysis {
+    /// Name and version of the format: `ballbar.analysis/1`.
+    pub format: &'static str,
+    /// Version of the program that wrote it.
+    pub program_version: &'static str,
+    /// What was tested.
+    pub test: TestFacts,
+    /// On which machine.
+    pub machine: MachineFacts,
+    /// With what.
+    pub ball_bar: BallBarFacts,
+    /// Name of the strategy; `None` where the test file has no plan.
+    pub strategy: Option<String>,
+    /// The terms that were asked for: names of sets, of coefficients and of set-up errors.
+    pub terms: Vec<String>,
+    /// How far-off samples were weighted: `off`, `huber` or `tukey`.
+    pub loss: &'static str,
+    /// Whether confounded terms were allowed and the shortest solution taken.
+    pub minimum_norm: bool,
+    /// One entry a repeat: runs that were identified together.
+    pub repeats: Vec<RepeatResult>,
+    /// Every parameter over the repeats.
+    pub over_repeats: Vec<MeanResult>,
+    /// Squareness, scale and reversal errors in people's units.
+    pub machine_errors: MachineErrors,
+    /// What a reader should know before he believes the numbers.
+    pub cautions: Vec<String>,
+    /// Facts that the caller adds, such as how the alignment was chosen.
+    pub remarks: Vec<String>,
+}
+
+impl Analysis {
+    /// The text of `analysis.json`: keys in fixed order, numbers at full precision, a final newline.
+    pub fn to_json(&self) -> Result<String> {
+        let mut text = serde_json::to_string_pretty(self).map_err(|error| {
+            Error::new(Kind::Output, format!("the analysis cannot be written as JSON: {error}"))
+        })?;
+        text.push('\n');
+        Ok(text)
+    }
+
+    /// All runs of all repeats, in order.
+    pub fn runs(&self) -> impl Iterator<Item = &RunResult> {
+        self.repeats.iter().flat_map(|repeat| &repeat.runs)
+    }
+
+    /// A parameter over the repeats.
+    pub fn over_repeats(&self, name: &str) -> Option<&MeanResult> {
+        self.over_repeats.iter().find(|mean| mean.name == name)
+    }
+}
+
+/// The test.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TestFacts {
+    /// Its name.
+    pub name: String,
+    /// The test file as the user named it.
+    pub file: String,
+    /// SHA-256 of the text of the test file, in hexadecimal.
+    pub sha256: String,
+    /// Where the balls were.
+    pub mountings: Vec<MountingFacts>,
+}
+
+/// A mounting.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MountingFacts {
+    /// Its name.
+    pub name: String,
+    /// Machine coordinates at which both ball centres coincide, mm.
+    pub coincidence_mm: [f64; 3],
+    /// Tool ball in the frame of the last slide on the tool side, mm.
+    pub tool_ball_mm: [f64; 3],
+}
+
+/// The machine.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MachineFacts {
+    /// Its name.
+    pub name: String,
+    /// The machine file as it was found.
+    pub file: String,
+    /// The chain from workpiece to tool, such as `wCBXFZYSt`.
+    pub topology: String,
+    /// Where each slide turns.
+    pub pivots: Pivots,
+}
+
+/// Where each slide turns when it has an angular error: `carriage` or `base`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Pivots {
+    /// The X slide.
+    pub x: &'static str,
+    /// The Y slide.
+    pub y: &'static str,
+    /// The Z slide.
+    pub z: &'static str,
+}
+
+/// The instrument, as the test file states it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct BallBarFacts {
+    /// Nominal length, mm.
+    pub length_mm: f64,
+    /// It reads up to this much either way, mm.
+    pub range_mm: f64,
+    /// Smallest step of a reading, um.
+    pub resolution_um: f64,
+    /// Standard deviation of one reading, um.
+    pub noise_um: f64,
+    /// Samples a second.
+    pub sample_rate_hz: f64,
+    /// How far its clock may be off, ppm.
+    pub clock_tolerance_ppm: f64,
+}
+
+/// What one repeat gave.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RepeatResult {
+    /// The repeat's number in the test file.
+    pub repeat: u32,
+    /// How many directions of the parameters the data determine.
+    pub rank: usize,
+    /// How many parameters there are.
+    pub parameter_count: usize,
+    /// Condition number of the scaled columns over the observed directions.
+    pub condition: Option<f64>,
+    /// What cannot be told apart, one sentence a group.
+    pub confounded: Vec<String>,
+    /// The parameters in the order of the model.
+    pub parameters: Vec<ParameterResult>,
+    /// Pairs of parameters whose estimates hang together closely.
+    pub correlations: Vec<Correlation>,
+    /// What is left in the residuals.
+    pub noise: NoiseResult,
+    /// Root mean square of the residuals of the samples that were used, um.
+    pub residual_rms_um: f64,
+    /// What became of the samples.
+    pub samples: SampleCounts,
+    /// Gauss-Newton steps.
+    pub gauss_newton_steps: usize,
+    /// The runs of this repeat.
+    pub runs: Vec<RunResult>,
+}
+
+/// One parameter of one repeat.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ParameterResult {
+    /// Its name, such as `EXX1`.
+    pub name: String,
+    /// Unit of `value` and `sigma`, such as `mm/mm`.
+    pub unit: &'static str,
+    /// The estimate.
+    pub value: f64,
+    /// Its standard deviation.
+    pub sigma: Option<f64>,
+    /// How much of it the data determine, 0 to 1.
+    pub observed: f64,
+}
+
+/// Two parameters whose estimates hang together closely.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Correlation {
+    /// The first.
+    pub first: String,
+    /// The second.
+    pub second: String,
+    /// Their correlation, -1 to 1.
+    pub correlation: f64,
+}
+
+/// The noise model of the residuals.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NoiseResult {
+    /// Standard deviation of one sample, um.
+    pub sigma_um: f64,
+    /// Standard deviation of what is new in every sample, um.
+    pub innovation_um: f64,
+    /// Coefficients of the autoregression, the nearest sample first.
+    pub autoregressive: Vec<f64>,
+    /// Correlation of samples 0, 1, 2 .. apart, by the model.
+    pub autocorrelation: Vec<f64>,
+    /// As many independent samples would determine a constant as well as the used ones.
+    pub effective_samples: Option<f64>,
+}
+
+/// What became of the samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct SampleCounts {
+    /// Took part in the fit.
+    pub used: usize,
+    /// Took part, but their residual was too large to be believed.
+    pub rejected: usize,
+    /// Did not take part: ramps, dwells, pauses, and reversals within the uncertainty of time.
+    pub not_used: usize,
+}
+
+/// One run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RunResult {
+    /// Its name.
+    pub name: String,
+    /// The program that ran; empty where the test file does not name the run.
+    pub program: String,
+    /// The log; empty where the test file does not name the run.
+    pub log: String,
+    /// Name of the mounting.
+    pub mounting: String,
+    /// By how much the machine's clock runs faster than the instrument's, ppm.
+    pub clock_rate_ppm: f64,
+    /// Its standard deviation, ppm.
+    pub clock_rate_sigma_ppm: Option<f64>,
+    /// The override knob.
+    pub feed_override: FeedOverride,
+    /// Log time at which the program engages the bar, s.
+    pub engagement_log_s: f64,
+    /// Log time minus program time on the first leg that has samples, s.
+    pub start_offset_s: f64,
+    /// Its standard deviation, ms.
+    pub start_offset_sigma_ms: Option<f64>,
+    /// Largest standard deviation of the program time of a used sample, ms.
+    pub worst_time_sigma_ms: Option<f64>,
+    /// Sample period of the log, s.
+    pub sample_period_s: f64,
+    /// Moments known on both clocks.
+    pub marks: Vec<MarkResult>,
+    /// Operator's pauses.
+    pub pauses: Vec<PauseResult>,
+    /// Root mean square of the residuals of the samples that were used, um.
+    pub residual_rms_um: f64,
+    /// What became of the samples.
+    pub samples: SampleCounts,
+    /// The arcs that have used samples, in the order in which they were driven.
+    pub arcs: Vec<ArcResult>,
+    /// The first of the rejected samples; `samples.rejected` counts them all.
+    pub rejected_samples: Vec<RejectedSample>,
+}
+
+/// The override knob.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FeedOverride {
+    /// Where it stood, by the test file, percent.
+    pub stated_percent: f64,
+    /// By how much the real feed exceeds that, by the log, percent; 0 where nothing told otherwise.
+    pub excess_percent: f64,
+    /// Standard deviation of the excess, percent; `None` where it was not estimated.
+    pub excess_sigma_percent: Option<f64>,
+}
+
+/// A moment known on both clocks.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct MarkResult {
+    /// `engagement`, `release` or `standstill`.
+    pub kind: &'static str,
+    /// On the instrument's clock, s.
+    pub log_s: f64,
+    /// In program time, s.
+    pub program_s: f64,
+    /// Standard deviation of their difference, ms.
+    pub sigma_ms: f64,
+    /// Samples of the ramp that made it.
+    pub samples: usize,
+    /// What the final time map leaves of it: its program time minus that of the map, ms.
+    pub left_ms: Option<f64>,
+}
+
+/// An M00.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PauseResult {
+    /// Its program time, s.
+    pub program_s: f64,
+    /// How long the operator let the machine stand, s; `None` where the log cannot tell.
+    pub length_s: Option<f64>,
+    /// Standard deviation of the length, ms.
+    pub sigma_ms: Option<f64>,
+}
+
+/// Residuals of one arc.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ArcResult {
+    /// Its name in the program.
+    pub name: String,
+    /// The circle.
+    pub circle: String,
+    /// `forward` or `backward`.
+    pub direction: &'static str,
+    /// A way to the next arc rather than an arc.
+    pub transit: bool,
+    /// Beginning in program time, s.
+    pub start_s: f64,
+    /// End in program time, s.
+    pub end_s: f64,
+    /// Angle that it covers, degrees.
+    pub sweep_deg: f64,
+    /// Feed, mm/min.
+    pub feed_mm_min: f64,
+    /// Samples that were used.
+    pub samples: usize,
+    /// Root mean square of the residuals, um.
+    pub rms_um: f64,
+    /// Mean of the residuals, um.
+    pub mean_um: f64,
+    /// Largest magnitude of a residual, um.
+    pub worst_um: f64,
+}
+
+/// A sample that was too far off to be believed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct RejectedSample {
+    /// Line of the log.
+    pub log_line: usize,
+    /// Time on the instrument's clock, s.
+    pub log_s: f64,
+    /// Residual, um.
+    pub residual_um: f64,
+}
+
+/// One parameter over the repeats.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MeanResult {
+    /// Its name.
+    pub name: String,
+    /// Unit of the three numbers that follow.
+    pub unit: &'static str,
+    /// Mean over the repeats.
+    pub mean: f64,
+    /// Standard deviation over the repeats (paper, Eq. 8); `None` for a single repeat.
+    pub deviation: Option<f64>,
+    /// Root mean square of the standard deviations stated for the single repeats.
+    pub sigma: Option<f64>,
+    /// The least that the data of any repeat determine of it, 0 to 1.
+    pub observed: f64,
+}

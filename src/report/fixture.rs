@@ -1,0 +1,65 @@
+//! Results of the logs under `tests/data`, for the tests of this room.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use super::Analysis;
+use crate::identify::{Identification, Options, RunInput, identify};
+use crate::plan::{Run, Test};
+use crate::{align, log, model, nc};
+
+/// A test that was aligned and identified.
+pub(super) struct Identified {
+    pub(super) analysis: Analysis,
+    pub(super) identifications: Vec<Identification>,
+}
+
+/// Aligns and identifies a set of `tests/data`.
+#[allow(clippy::unwrap_used)]
+pub(super) fn identified(set: &str) -> Identified {
+    // Relative, as `cargo test` runs in the package's folder: results must not depend on where that is.
+    let test = Test::read(&PathBuf::from(format!("tests/data/{set}/test.toml"))).unwrap();
+    let machine = test.machine().unwrap();
+    let mountings: Vec<_> = test.mountings().iter().map(|named| named.mounting).collect();
+    let names: Vec<String> = test.mountings().iter().map(|named| named.name.clone()).collect();
+    let mut repeats: BTreeMap<u32, Vec<&Run>> = BTreeMap::new();
+    for run in test.runs().unwrap() {
+        repeats.entry(run.repeat).or_default().push(run);
+    }
+    let mut reading = nc::Reading::default();
+    for named in test.mountings() {
+        reading.work_offsets_mm.insert(named.work_offset, named.mounting.coincidence_mm);
+    }
+    let options = Options {
+        nominal_mm: test.ball_bar().length_mm,
+        noise_mm: test.ball_bar().noise_mm,
+        clock_tolerance: test.ball_bar().clock_tolerance,
+        loss: test.estimation().loss,
+        minimum_norm: test.estimation().minimum_norm,
+    };
+    let terms = || model::terms(&test.estimation().terms, &names).unwrap();
+    let model = model::Model::new(&machine, mountings.clone(), terms());
+    let identifications: Vec<Identification> = repeats
+        .values()
+        .map(|runs| {
+            let inputs = runs
+                .iter()
+                .map(|run| RunInput {
+                    name: run.name.clone(),
+                    mounting: run.mounting,
+                    alignment: align::align(
+                        &log::read(&run.log, test.log_format()).unwrap(),
+                        &nc::read_file(&run.program, &reading).unwrap(),
+                        &machine,
+                        &mountings[run.mounting],
+                        test.ball_bar(),
+                        run.feed_override,
+                    )
+                    .unwrap(),
+                })
+                .collect();
+            identify(&model, inputs, &options).unwrap()
+        })
+        .collect();
+    Identified { analysis: Analysis::new(&test, &machine, &identifications), identifications }
+}

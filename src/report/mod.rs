@@ -1,0 +1,30 @@
+//! Results for people and for other programs: terminal summary, `analysis.json`, samples as CSV, and one
+//! self-contained HTML file.
+//!
+//! Everything here is a function of its input alone: no clock, no network, no random order. The same
+//! files give the same bytes.
+//!
+//! [`Analysis`] is the one place where numbers are gathered; terminal, JSON and the tables of the HTML
+//! report read it and nothing else. Curves are drawn from the identifications themselves.
+
+mod analysis;
+mod cautions;
+#[cfg(test)]
+mod fixture;
+mod gather;
+pub mod html;
+mod machine_errors;
+mod numbers;
+mod samples;
+mod svg;
+mod terminal;
+mod units;
+
+pub use analysis::{
+    Analysis, ArcResult, BallBarFacts, Correlation, FeedOverride, MachineFacts, MarkResult,
+    MeanResult, MountingFacts, NoiseResult, ParameterResult, PauseResult, Pivots, RejectedSample,
+    RepeatResult, RunResult, SampleCounts, TestFacts,
+};
+pub use machine_errors::{Hysteresis, MachineErrors, Reversal, Scale, Squareness};
+pub use samples::{write_aligned, write_samples};
+pub use terminal::summary;
