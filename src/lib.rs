@@ -11,6 +11,7 @@ pub mod motion;
 pub mod nc;
 pub mod plan;
 pub mod report;
+pub mod simulate;
 pub mod solve;
 mod toml_text;
 

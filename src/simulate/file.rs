@@ -1,0 +1,261 @@
+//! The scenario file: TOML in, a checked [`Scenario`] out.
+//!
+//! ```toml
+//! seed = 1
+//! sample_rate_hz = 10.0          # resolution_um, range_mm: where the test file is not to be believed
+//! after_s = 5.0
+//! feed_override_percent = 100.0
+//! [coefficients]                 # mm and rad; what is not named is zero
+//! EYYb = -3.1e-3
+//! [set_up]                       # mm
+//! EXt = 0.005
+//! [noise]
+//! white_um = 0.12
+//! correlated_um = 0.1
+//! correlation_s = 0.3
+//! [clock]
+//! start_s = 3.0
+//! ppm = -30.0
+//! [pauses]
+//! between_s = [5.0, 40.0]        # or fixed_s, one length for each M00
+//! [dropouts]
+//! per_s = 0.05
+//! mean_s = 1.0
+//! rows = "blank"                 # or "missing"
+//! ```
+//!
+//! What is left out keeps its value from [`Scenario::default`]. `[coefficients]` and `[set_up]` are left
+//! out or given as a whole: an empty `[coefficients]` is a machine without errors.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::{Dropouts, Noise, Pauses, Scenario};
+use crate::error::{Error, Place, Result};
+use crate::model::{Coefficient, ErrorFunctions, SetUp};
+use crate::toml_text::{self, Text};
+
+/// Four decimals of time still tell the samples of this rate apart.
+const MOST_HZ: f64 = 5000.0;
+
+impl Scenario {
+    /// Reads and checks a scenario file.
+    pub fn read(file: &Path) -> Result<Self> {
+        Self::parse(&toml_text::read(file)?, file)
+    }
+
+    /// Checks the text of a scenario file; `file` is for messages.
+    ///
+    /// ```
+    /// use ballbar::simulate::Scenario;
+    ///
+    /// let scenario = Scenario::parse("[coefficients]\nEYYb = -3.1e-3\n", "play.toml".as_ref())?;
+    /// assert_eq!(scenario.named_values()[0], ("EYYb".to_owned(), -3.1e-3));
+    /// let error = Scenario::parse("[coefficients]\nEYYB = 1e-3\n", "play.toml".as_ref()).unwrap_err();
+    /// assert_eq!(error.hint.unwrap(), "write `EYYb`");
+    /// # Ok::<(), ballbar::Error>(())
+    /// ```
+    pub fn parse(source: &str, file: &Path) -> Result<Self> {
+        let text = Text { source, file };
+        let raw: RawScenario = text.parse()?;
+        raw.check(&text)
+    }
+}
+
+type Values = BTreeMap<Spanned<String>, Spanned<f64>>;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawScenario {
+    seed: Option<u64>,
+    sample_rate_hz: Option<Spanned<f64>>,
+    resolution_um: Option<Spanned<f64>>,
+    range_mm: Option<Spanned<f64>>,
+    after_s: Option<Spanned<f64>>,
+    feed_override_percent: Option<Spanned<f64>>,
+    coefficients: Option<Values>,
+    set_up: Option<Values>,
+    #[serde(default)]
+    noise: RawNoise,
+    #[serde(default)]
+    clock: RawClock,
+    pauses: Option<Spanned<RawPauses>>,
+    dropouts: Option<RawDropouts>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct RawNoise {
+    white_um: Option<Spanned<f64>>,
+    correlated_um: Option<Spanned<f64>>,
+    correlation_s: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct RawClock {
+    start_s: Option<Spanned<f64>>,
+    ppm: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawPauses {
+    fixed_s: Option<Spanned<Vec<f64>>>,
+    between_s: Option<Spanned<[f64; 2]>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawDropouts {
+    per_s: Spanned<f64>,
+    mean_s: Spanned<f64>,
+    #[serde(default)]
+    rows: RawRows,
+}
+
+#[derive(Deserialize, Default, Clone, Copy, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+enum RawRows {
+    #[default]
+    Blank,
+    Missing,
+}
+
+impl RawScenario {
+    fn check(self, text: &Text<'_>) -> Result<Scenario> {
+        let mut scenario = Scenario::default();
+        if let Some(seed) = self.seed {
+            scenario.seed = seed;
+        }
+        if let Some(values) = &self.coefficients {
+            scenario.errors = ErrorFunctions::default();
+            for (name, value) in values {
+                let coefficient = known(name, text, Coefficient::parse, Coefficient::all())?;
+                scenario.errors.set(coefficient, finite(value, name.get_ref(), text)?);
+            }
+        }
+        if let Some(values) = &self.set_up {
+            for set_up in SetUp::all() {
+                scenario.set_set_up(set_up, 0.0);
+            }
+            for (name, value) in values {
+                let set_up = known(name, text, SetUp::parse, SetUp::all())?;
+                scenario.set_set_up(set_up, finite(value, name.get_ref(), text)?);
+            }
+        }
+        scenario.noise = self.noise.check(&scenario.noise, text)?;
+        let within =
+            |value: &Option<Spanned<f64>>, key: &str, default: f64, low: f64, high: f64| {
+                value.as_ref().map_or(Ok(default), |value| text.within(value, key, low, high))
+            };
+        scenario.start_s = within(&self.clock.start_s, "start_s", scenario.start_s, -1e5, 1e5)?;
+        scenario.clock_ppm = within(&self.clock.ppm, "ppm", scenario.clock_ppm, -1e4, 1e4)?;
+        scenario.after_s = within(&self.after_s, "after_s", scenario.after_s, -1e5, 1e5)?;
+        scenario.feed_override =
+            within(&self.feed_override_percent, "feed_override_percent", 100.0, 1.0, 200.0)?
+                / 100.0;
+        let optional = |value: &Option<Spanned<f64>>, key: &str, low: f64, high: f64| {
+            value.as_ref().map(|value| text.within(value, key, low, high)).transpose()
+        };
+        scenario.sample_rate_hz = optional(&self.sample_rate_hz, "sample_rate_hz", 1e-3, MOST_HZ)?;
+        scenario.resolution_mm =
+            optional(&self.resolution_um, "resolution_um", 1e-6, 1e3)?.map(|um| um * 1e-3);
+        scenario.range_mm = optional(&self.range_mm, "range_mm", 1e-3, 1e3)?;
+        if let Some(pauses) = &self.pauses {
+            scenario.pauses = pauses.get_ref().check(text.place(pauses.span()), text)?;
+        }
+        if let Some(of) = &self.dropouts {
+            scenario.dropouts = Some(Dropouts {
+                per_s: text.positive(&of.per_s, "per_s")?,
+                mean_s: text.positive(&of.mean_s, "mean_s")?,
+                missing_rows: of.rows == RawRows::Missing,
+            });
+        }
+        Ok(scenario)
+    }
+}
+
+impl RawNoise {
+    fn check(&self, default: &Noise, text: &Text<'_>) -> Result<Noise> {
+        let um = |value: &Option<Spanned<f64>>, key: &str, default_mm: f64| match value {
+            Some(value) => Ok(text.within(value, key, 0.0, 1e3)? * 1e-3),
+            None => Ok(default_mm),
+        };
+        Ok(Noise {
+            white_mm: um(&self.white_um, "white_um", default.white_mm)?,
+            correlated_mm: um(&self.correlated_um, "correlated_um", default.correlated_mm)?,
+            correlation_s: match &self.correlation_s {
+                Some(value) => text.positive(value, "correlation_s")?,
+                None => default.correlation_s,
+            },
+        })
+    }
+}
+
+impl RawPauses {
+    fn check(&self, place: Place, text: &Text<'_>) -> Result<Pauses> {
+        let possible = |seconds: &f64| (0.0..=1e5).contains(seconds);
+        match (&self.fixed_s, &self.between_s) {
+            (Some(fixed), None) if fixed.get_ref().iter().all(possible) => {
+                Ok(Pauses::Fixed(fixed.get_ref().clone()))
+            }
+            (None, Some(limits))
+                if limits.get_ref().iter().all(possible)
+                    && limits.get_ref()[0] <= limits.get_ref()[1] =>
+            {
+                Ok(Pauses::Between(*limits.get_ref()))
+            }
+            (Some(fixed), None) => {
+                Err(Error::input("a pause lasts from 0 to 100000 s").at(text.place(fixed.span())))
+            }
+            (None, Some(limits)) => {
+                Err(Error::input("pauses cannot be drawn between these limits")
+                    .at(text.place(limits.span()))
+                    .hint("give the shorter one first, in seconds, such as `between_s = [5, 40]`"))
+            }
+            _ => Err(Error::input("pauses have either `fixed_s` or `between_s`").at(place).hint(
+                "`fixed_s = [12.5]` gives the length of each M00, `between_s = [5, 40]` draws them",
+            )),
+        }
+    }
+}
+
+/// A finite number.
+fn finite(value: &Spanned<f64>, name: &str, text: &Text<'_>) -> Result<f64> {
+    let number = *value.get_ref();
+    if number.is_finite() {
+        return Ok(number);
+    }
+    Err(Error::input(format!("`{name}` must be a finite number")).at(text.place(value.span())))
+}
+
+/// The coefficient or set-up error of a key.
+fn known<T: ToString>(
+    key: &Spanned<String>,
+    text: &Text<'_>,
+    parse: impl Fn(&str) -> Option<T>,
+    all: impl Iterator<Item = T>,
+) -> Result<T> {
+    let name = key.get_ref().as_str();
+    if let Some(of) = parse(name) {
+        return Ok(of);
+    }
+    let names: Vec<String> = all.map(|of| of.to_string()).collect();
+    let same_but_case = names.iter().find(|known| known.eq_ignore_ascii_case(name));
+    let error = Error::input(format!("unknown name `{name}`")).at(text.place(key.span()));
+    Err(match same_but_case {
+        Some(meant) => error.hint(format!("write `{meant}`")),
+        None if Coefficient::parse(name).is_some() => {
+            error.hint("coefficients belong into `[coefficients]`")
+        }
+        None if SetUp::parse(name).is_some() => error.hint("set-up errors belong into `[set_up]`"),
+        None if names.len() > 6 => error.hint(
+            "coefficients are named as in the paper: E, one of X Y Z A B C, the slide X Y Z, and one of 0 1 2 3 b, such as `EXX1` or `EYYb`",
+        ),
+        None => error.hint(format!("set-up errors are `{}`", names.join("`, `"))),
+    })
+}

@@ -1,0 +1,48 @@
+//! A virtual machine and a virtual instrument.
+//!
+//! ```text
+//! program ──> motion ──> state ──> bend ──> exact chain ──> length ──> instrument ──> readings
+//!               ^                   ^                                      ^
+//!          feed override     error functions,                 noise, steps, range, dropouts,
+//!                            set-up errors                    a clock of its own
+//! ```
+//!
+//! The length is that of [`crate::machine::Machine::ball_vector_mm`], bent by
+//! [`crate::model::ErrorFunctions`]. The terms' columns, and the way terms bend the chain, are not used
+//! here: a wrong column must not agree with itself.
+//!
+//! The instrument's clock runs beside the machine's:
+//!
+//! ```text
+//! program time = log time · (1 + ppm · 1e-6) - start - operator's pauses so far
+//! ```
+//!
+//! with the start and the pauses in seconds of the machine's clock. While the operator pauses, the
+//! machine stands and the bar reads on if it is in range.
+//!
+//! Everything random is drawn from `rand_pcg` by the scenario's seed: the same seed gives the same bits.
+//! Pauses, white noise, correlated noise and dropouts have a stream each, so changing one of them
+//! leaves the others as they were.
+//!
+//! **Not modelled:** what the room `motion` does not model (jerk, servo lag), and anything that bends the
+//! chain by more than position and sense, such as temperature. `bend` in `bend.rs` is where such an
+//! effect belongs: it turns the state of the machine into the errors of the chain.
+
+mod bend;
+mod clock;
+mod file;
+mod instrument;
+mod noise;
+mod random;
+mod run;
+mod scenario;
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+mod tests;
+mod write;
+
+pub use clock::{Clock, ClockMoment};
+pub use noise::Noise;
+pub use run::{SimulatedRun, TruePoint, run};
+pub use scenario::{Dropouts, Pauses, Scenario};
+pub use write::{TrueRun, truth_toml};
