@@ -1,0 +1,15 @@
+//! The rooms `machine`, `model`, `align` and `identify` held against independent oracles and against
+//! data that this code did not make.
+//!
+//! | module | oracle |
+//! | --- | --- |
+//! | `columns` | central differences of the exact chain, and a chain of 4x4 transforms in dual numbers |
+//! | `kinematics` | forward after inverse |
+//!
+//! `cargo test --release --test oracle -- --nocapture` shows every number that was measured.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
+
+mod columns;
+mod common;
+mod dual_chain;
+mod kinematics;
