@@ -6,12 +6,15 @@
 //! | `columns` | central differences of the exact chain, and a chain of 4x4 transforms in dual numbers |
 //! | `kinematics` | forward after inverse |
 //! | `ranks` | the tables of `DESIGN.md`, section 4, which were computed apart from this code |
+//! | `truth` | what was put into the logs of `tests/data` |
 //!
 //! `cargo test --release --test oracle -- --nocapture` shows every number that was measured.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
+mod chain;
 mod columns;
 mod common;
 mod dual_chain;
 mod kinematics;
 mod ranks;
+mod truth;
