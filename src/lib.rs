@@ -1,6 +1,7 @@
 //! Ball-bar testing of three-axis machine tools.
 
 pub mod align;
+pub mod cli;
 pub mod error;
 pub mod identify;
 mod input;

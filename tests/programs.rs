@@ -124,8 +124,8 @@ fn stops_between_arcs_replace_the_dwells() {
     let test = test("[20.0, -35.0, 40.0]", "strategy = \"2d\"\nstop_between_arcs = true");
     let (program, _, text) = written_and_read(&machine, &test);
     let duration = Trajectory::new(&program, &machine, 1.0).duration();
-    // Fitting the bar, and one after each of the six arcs and the one transit.
-    assert_eq!(duration.stops, 8);
+    // Fitting the bar, and one after each of the six arcs.
+    assert_eq!(duration.stops, 7);
     assert!(text.contains("M00 (PRESS START TO GO ON)"));
 }
 

@@ -142,7 +142,7 @@ pub(super) fn pair(
         observed.iter().filter(|s| duration_s(s) > 0.3 * shortest_s).cloned().collect();
     if long.len() < expected.len() {
         return refuse(&format!(
-            "the program engages the bar {} time(s), the log shows {}",
+            "of {} expected engagement(s) the log shows {} that last long enough",
             expected.len(),
             long.len()
         ));
@@ -225,7 +225,7 @@ impl Refusal<'_> {
         if self.expected.len() == observed.len() && stops == 0 && (30.0..=200.0).contains(&percent)
         {
             error.hint(format!(
-                "take the program that ran; if the feed override stood at about {percent:.0} %, say `feed_override_percent = {percent:.0}` in the run"
+                "take the program that ran; only if the feed override stood at about {percent:.0} %, say `feed_override_percent = {percent:.0}.0` in the run"
             ))
         } else {
             error.hint("take the log and the program of the same run")

@@ -15,7 +15,9 @@ use crate::report;
 /// The time map is refined together with the terms of the test file. Writes each run's samples, with
 /// their positions and the uncertainty of their time, as samples-RUN.csv.
 #[derive(Args)]
-#[command(after_help = "Examples:\n  ballbar align test.toml\n  ballbar align test.toml --json -o aligned")]
+#[command(
+    after_help = "Examples:\n  ballbar align test.toml\n  ballbar align test.toml --json -o aligned"
+)]
 pub(super) struct Arguments {
     /// The test file
     #[arg(value_name = "TEST")]
@@ -31,7 +33,7 @@ impl Arguments {
         for identification in &identified.repeats {
             for run in &identification.runs {
                 let mut text = Vec::new();
-                report::write_aligned(&mut text, run)?;
+                report::write_aligned(&mut text, &run.alignment)?;
                 files.add(common.output.join(format!("samples-{}.csv", run.name)), text);
             }
         }
@@ -41,12 +43,10 @@ impl Arguments {
             let runs: Vec<_> = analysis.runs().collect();
             return output::print(&format!("{:#}\n", serde_json::json!(runs)));
         }
-        for (run, told) in identified.repeats.iter().flat_map(|r| &r.runs).zip(analysis.runs()) {
-            output::print(&report::alignment_line(told))?;
-            talk.say(&format!(
-                "wrote {}",
-                common.output.join(format!("samples-{}.csv", run.name)).display()
-            ));
+        output::print(&report::runs_table(&analysis))?;
+        for run in analysis.runs() {
+            let file = common.output.join(format!("samples-{}.csv", run.name));
+            talk.say(&format!("wrote {}", file.display()));
         }
         Ok(())
     }

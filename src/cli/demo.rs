@@ -30,7 +30,10 @@ impl Arguments {
         let file = demonstration()?;
         let test = Test::read(&file)?;
         let written = Written::new(&test, &test.machine()?, 0)?;
-        talk.say(&format!("1. the program of strategy 3D6, written and read back\n{}", written.told()));
+        talk.say(&format!(
+            "1. the program of strategy 3D6, written and read back\n{}",
+            written.told()
+        ));
         let program = common.output.join(&written.name);
 
         talk.say("2. five measured logs, aligned and identified");

@@ -8,7 +8,7 @@ use super::output::Talk;
 use crate::error::Result;
 use crate::identify::{Identification, campaign};
 use crate::machine::Machine;
-use crate::plan::{Estimation, Loss, Test};
+use crate::plan::{Loss, Test};
 use crate::report::Analysis;
 
 /// What to estimate, where it differs from the test file.
@@ -37,7 +37,6 @@ enum Weights {
 pub(super) struct Identified {
     pub(super) test: Test,
     pub(super) machine: Machine,
-    pub(super) estimation: Estimation,
     pub(super) repeats: Vec<Identification>,
 }
 
@@ -59,16 +58,17 @@ impl Selection {
             };
         }
         estimation.minimum_norm |= self.minimum_norm;
+        let test = test.with_estimation(estimation);
         let progress = talk.progress(test.repeat_count(), "identifying");
-        let repeats = campaign(&test, &machine, &estimation, &|| progress.inc(1));
+        let repeats = campaign(&test, &machine, &|| progress.inc(1));
         progress.finish_and_clear();
-        Ok(Identified { repeats: repeats?, test, machine, estimation })
+        Ok(Identified { repeats: repeats?, test, machine })
     }
 }
 
 impl Identified {
     /// What is told about it.
     pub(super) fn analysis(&self) -> Analysis {
-        Analysis::new(&self.test, &self.machine, &self.estimation, &self.repeats)
+        Analysis::new(&self.test, &self.machine, &self.repeats)
     }
 }

@@ -38,7 +38,7 @@ impl Man {
                 subcommand => format!("ballbar-{subcommand}"),
             };
             let mut text = Vec::new();
-            clap_mangen::Man::new(page.name(name.clone())).render(&mut text).map_err(|error| {
+            clap_mangen::Man::new(page).title(name.clone()).render(&mut text).map_err(|error| {
                 Error::new(Kind::Output, format!("cannot make the man page: {error}"))
             })?;
             files.add(common.output.join(format!("{name}.1")), text);

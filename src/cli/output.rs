@@ -91,6 +91,14 @@ fn stage(file: &Path, content: &[u8]) -> Result<tempfile::NamedTempFile> {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
+    if directory.is_file() {
+        return Err(Error::new(
+            Kind::Output,
+            "a file stands where the directory of results should be",
+        )
+        .at(Place::file(directory))
+        .hint("choose another directory with `-o DIR`"));
+    }
     std::fs::create_dir_all(directory).map_err(|error| cannot_write(directory, &error))?;
     if file.is_dir() {
         return Err(Error::new(Kind::Output, "a directory stands where the file should go")

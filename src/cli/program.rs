@@ -17,7 +17,9 @@ use crate::plan::{Path, Test};
 ///
 /// Each program is read back before it is written and compared with the plan.
 #[derive(Args)]
-#[command(after_help = "Examples:\n  ballbar program test.toml\n  ballbar program test.toml -o programs --json")]
+#[command(
+    after_help = "Examples:\n  ballbar program test.toml\n  ballbar program test.toml -o programs --json"
+)]
 pub(super) struct Arguments {
     /// The test file
     #[arg(value_name = "TEST")]

@@ -54,8 +54,7 @@ impl Arguments {
             scenario.seed = seed;
         }
         let sources = self.sources(&test, &machine)?;
-        let progress =
-            talk.progress(sources.len() * self.repeats as usize, "simulating");
+        let progress = talk.progress(sources.len() * self.repeats as usize, "simulating");
         let mut files = Files::default();
         let mut simulated: Vec<(String, usize, u32, SimulatedRun)> = Vec::new();
         for source in &sources {
@@ -119,7 +118,8 @@ impl Arguments {
         }
         let mut sources: Vec<Source> = Vec::new();
         for run in test.runs()? {
-            let file = run.program.file_name().map_or(String::new(), |n| n.to_string_lossy().into());
+            let file =
+                run.program.file_name().map_or(String::new(), |n| n.to_string_lossy().into());
             let file = file.trim_end_matches(".gz").to_owned();
             if sources.iter().all(|source| source.file != file || source.mounting != run.mounting) {
                 let text = crate::nc::text_of(&run.program)?;

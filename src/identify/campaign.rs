@@ -11,7 +11,7 @@ use crate::log;
 use crate::machine::Machine;
 use crate::model::{self, Model};
 use crate::nc;
-use crate::plan::{Estimation, Run, Test};
+use crate::plan::{Run, Test};
 
 /// Reads and aligns one run of a test.
 pub fn align_run(test: &Test, machine: &Machine, run: &Run) -> Result<RunInput> {
@@ -42,7 +42,6 @@ pub fn align_run(test: &Test, machine: &Machine, run: &Run) -> Result<RunInput> 
 pub fn campaign(
     test: &Test,
     machine: &Machine,
-    estimation: &Estimation,
     finished: &(dyn Fn() + Sync),
 ) -> Result<Vec<Identification>> {
     let names: Vec<String> = test.mountings().iter().map(|m| m.name.clone()).collect();
@@ -50,7 +49,7 @@ pub fn campaign(
     for run in test.runs()? {
         repeats.entry(run.repeat).or_default().push(run);
     }
-    let bar = test.ball_bar();
+    let (bar, estimation) = (test.ball_bar(), test.estimation());
     let options = Options {
         nominal_mm: bar.length_mm,
         noise_mm: bar.noise_mm,

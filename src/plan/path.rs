@@ -88,7 +88,7 @@ impl Path {
             let along = STAND_OFF_MM * s;
             if along.abs() >= SENSE_MOVE_MM {
                 along
-            } else if along > 0.0 {
+            } else if along > 1e-6 {
                 SENSE_MOVE_MM
             } else {
                 -SENSE_MOVE_MM

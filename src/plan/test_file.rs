@@ -221,6 +221,13 @@ impl Test {
         &self.estimation
     }
 
+    /// The same test, identified otherwise than its file says.
+    #[must_use]
+    pub fn with_estimation(mut self, estimation: Estimation) -> Self {
+        self.estimation = estimation;
+        self
+    }
+
     /// How many tests the runs make: runs of the same repeat are one.
     pub fn repeat_count(&self) -> usize {
         let mut repeats: Vec<u32> = self.runs.iter().map(|run| run.repeat).collect();

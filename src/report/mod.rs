@@ -27,4 +27,4 @@ pub use analysis::{
 };
 pub use machine_errors::{Hysteresis, MachineErrors, Reversal, Scale, Squareness};
 pub use samples::{write_aligned, write_samples};
-pub use terminal::summary;
+pub use terminal::{runs_table, summary};

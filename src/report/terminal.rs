@@ -20,7 +20,7 @@ pub fn summary(analysis: &Analysis) -> String {
         paragraph(&mut text, "", &line);
     }
     text.push_str("\nRuns\n");
-    text.push_str(&runs(analysis));
+    text.push_str(&runs_table(analysis));
     text.push_str("\nCoefficients");
     text.push_str(if analysis.repeats.len() > 1 {
         " (mean of the repeats; sigma of one repeat; deviation between repeats)\n"
@@ -102,7 +102,8 @@ pub(super) fn verdict(analysis: &Analysis) -> Vec<String> {
     ]
 }
 
-fn runs(analysis: &Analysis) -> String {
+/// The runs as a table: when the bar engaged, the clock, the uncertainty of time, the residual, the pauses.
+pub fn runs_table(analysis: &Analysis) -> String {
     let mut rows = vec![
         ["run", "engaged at", "clock", "time sigma", "used", "residual", "pauses"]
             .map(str::to_owned)

@@ -1,0 +1,120 @@
+//! What users do, and what they find afterwards.
+
+use crate::work::{Work, data, project};
+
+#[test]
+fn the_demonstration_leaves_program_report_and_samples() {
+    let work = Work::new();
+    let outcome = work.ballbar(&["demo"]).done();
+    assert_eq!(
+        outcome.files(),
+        [
+            "O1005.nc",
+            "analysis.json",
+            "report.html",
+            "samples-run1.csv",
+            "samples-run2.csv",
+            "samples-run3.csv",
+            "samples-run4.csv",
+            "samples-run5.csv"
+        ]
+    );
+    assert!(outcome.stdout().contains("38 of 38 parameters observed"), "{}", outcome.stdout());
+    let report = std::fs::read_to_string(work.path("results/report.html")).unwrap();
+    assert!(report.contains("Meridian 36") && report.trim_end().ends_with("</html>"));
+}
+
+#[test]
+fn the_same_input_gives_the_same_bytes_on_any_number_of_threads() {
+    let results = |threads: &str| {
+        let work = Work::new();
+        let test = data("hu40t").join("test.toml");
+        let output = std::process::Command::new(assert_cmd::cargo::cargo_bin!("ballbar"))
+            .current_dir(work.path("."))
+            .env("RAYON_NUM_THREADS", threads)
+            .args(["analyse", test.to_str().unwrap(), "-o", "results", "--quiet"])
+            .output()
+            .unwrap();
+        assert!(output.status.success());
+        let files = ["report.html", "analysis.json", "samples-run3.csv"];
+        files.map(|name| std::fs::read(work.path("results").join(name)).unwrap())
+    };
+    assert!(results("1") == results("2"));
+}
+
+#[test]
+fn a_simulated_test_is_ready_to_be_analysed() {
+    let work = Work::new();
+    work.machine("name", "name").test("[plan]\nstrategy = \"3d6\"\nfeed_mm_min = 500.0\n");
+    work.ballbar(&["simulate", "test.toml", "--repeats", "2", "--seed", "7"]).done();
+    let outcome = std::process::Command::new(assert_cmd::cargo::cargo_bin!("ballbar"))
+        .current_dir(work.path("results"))
+        .args(["identify", "test.toml", "-o", "again", "--json"])
+        .output()
+        .unwrap();
+    assert!(outcome.status.success(), "{}", String::from_utf8_lossy(&outcome.stderr));
+    let analysis: serde_json::Value = serde_json::from_slice(&outcome.stdout).unwrap();
+    assert_eq!(analysis["repeats"].as_array().unwrap().len(), 2);
+    let truth: toml::Table =
+        toml::from_str(&std::fs::read_to_string(work.path("results/truth.toml")).unwrap()).unwrap();
+    let backlash = truth["run"][0]["coefficients"]["EYYb"].as_float().unwrap();
+    let parameters = analysis["repeats"][0]["parameters"].as_array().unwrap();
+    let estimate = parameters.iter().find(|p| p["name"] == "EYYb").unwrap();
+    let off = estimate["value"].as_f64().unwrap() - backlash;
+    assert!(off.abs() < 5.0 * estimate["sigma"].as_f64().unwrap(), "{off}");
+}
+
+#[test]
+fn samples_of_an_alignment_are_written_with_their_places() {
+    let work = Work::new();
+    let test = data("hu40t-stops").join("test.toml");
+    let outcome = work.ballbar(&["align", test.to_str().unwrap()]).done();
+    assert_eq!(outcome.files(), ["samples-run1.csv", "samples-run2.csv"]);
+    let samples = std::fs::read_to_string(work.path("results/samples-run1.csv")).unwrap();
+    for place in ["arc", "ramp", "dwell", "stop"] {
+        assert!(samples.lines().any(|line| line.contains(&format!(",{place},"))), "{place}");
+    }
+}
+
+#[test]
+fn three_planes_make_one_test() {
+    let work = Work::new();
+    let test = data("planar").join("test.toml");
+    let outcome = work.ballbar(&["analyse", test.to_str().unwrap()]).done();
+    assert!(outcome.stdout().contains("of 38 parameters observed"), "{}", outcome.stdout());
+    assert!(outcome.stdout().contains("Not observable"), "{}", outcome.stdout());
+}
+
+#[test]
+fn machine_files_are_listed() {
+    let work = Work::new();
+    let directory = project().join("machines");
+    let files: Vec<String> = ["hu40t.toml", "vertical.toml"]
+        .iter()
+        .map(|name| directory.join(name).to_str().unwrap().to_owned())
+        .collect();
+    let outcome = work.ballbar(&["machines", &files[0], &files[1]]).done();
+    assert!(outcome.stdout().contains("wCBXFZYSt") && outcome.stdout().contains("wXYFZSt"));
+    let outcome = work.ballbar(&["machines", "--json", &files[0]]).done();
+    let list: serde_json::Value = serde_json::from_str(&outcome.stdout()).unwrap();
+    assert_eq!(list[0]["axes"]["X"]["pivot"], "carriage");
+}
+
+#[test]
+fn quiet_says_nothing_but_results() {
+    let work = Work::new();
+    work.machine("name", "name").test("[plan]\nstrategy = \"2d\"\nfeed_mm_min = 500.0\n");
+    let outcome = work.ballbar(&["program", "test.toml", "--quiet"]).done();
+    assert_eq!(outcome.stderr(), "");
+    assert_eq!(outcome.stdout().trim_end(), "results/O1001.nc");
+    assert_eq!(outcome.files(), ["O1001.nc"]);
+}
+
+#[test]
+fn completions_and_man_pages_are_made() {
+    let work = Work::new();
+    let completions = work.ballbar(&["completions", "bash"]).done();
+    assert!(completions.stdout().contains("analyse"));
+    let pages = work.ballbar(&["man"]).done();
+    assert!(pages.files().contains(&"ballbar-analyse.1".to_owned()), "{:?}", pages.files());
+}

@@ -1,0 +1,7 @@
+//! The program as users run it: the real binary, real files, what it prints and what it leaves behind.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod good;
+mod refused;
+mod work;
