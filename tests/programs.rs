@@ -87,7 +87,7 @@ fn every_slide_has_moved_before_the_bar_engages() {
             .find(|block| block.kind == ballbar::motion::BlockKind::Stop)
             .unwrap();
         let state = trajectory.at(stop.start_s);
-        assert!(state.sense.iter().all(|sense| sense.abs() == 1.0), "{azimuth}: {}", state.sense);
+        assert!(state.sense.iter().all(|sense| *sense != 0.0), "{azimuth}: {}", state.sense);
         let distance = (state.position_mm - test.mountings()[0].mounting.coincidence_mm).norm();
         assert!(distance > 151.2, "the bar is fitted outside its range, at {distance}");
     }

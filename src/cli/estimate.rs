@@ -1,6 +1,6 @@
 //! Options and steps that `align`, `identify`, `analyse` and `demo` share.
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use clap::{Args, ValueEnum};
 
@@ -42,7 +42,7 @@ pub(super) struct Identified {
 
 impl Selection {
     /// Reads a test and identifies its runs.
-    pub(super) fn identify(&self, file: &PathBuf, talk: &Talk) -> Result<Identified> {
+    pub(super) fn identify(&self, file: &Path, talk: &Talk) -> Result<Identified> {
         let test = Test::read(file)?;
         let machine = test.machine()?;
         let mut estimation = test.estimation().clone();

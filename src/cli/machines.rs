@@ -1,5 +1,6 @@
 //! `ballbar machines`: lists and checks machine files.
 
+use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -80,8 +81,9 @@ fn as_text(machine: &Machine) -> String {
     );
     for axis in Axis::ALL {
         let slide = machine.slide(axis);
-        text += &format!(
-            "  {axis}         {:>7.1} to {:>6.1} mm, rapid {:>5.0} mm/min, {:>5.0} mm/s2, pivot on the {}{}\n",
+        let _ = writeln!(
+            text,
+            "  {axis}         {:>7.1} to {:>6.1} mm, rapid {:>5.0} mm/min, {:>5.0} mm/s2, pivot on the {}{}",
             slide.travel_mm[0],
             slide.travel_mm[1],
             slide.rapid_mm_s * 60.0,
@@ -91,8 +93,9 @@ fn as_text(machine: &Machine) -> String {
         );
     }
     let controller = machine.controller();
-    text += &format!(
-        "  control   {}, {} decimals, {:.0} mm/s2 along the path, stops at corners above {:.0} deg\n",
+    let _ = writeln!(
+        text,
+        "  control   {}, {} decimals, {:.0} mm/s2 along the path, stops at corners above {:.0} deg",
         controller.dialect,
         controller.decimals,
         controller.path_acceleration_mm_s2,

@@ -27,6 +27,8 @@ impl Completions {
 pub(super) struct Man {}
 
 impl Man {
+    // The other subcommands have arguments to look at.
+    #[expect(clippy::unused_self)]
     pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
         let mut files = Files::default();
         let whole = Cli::command();

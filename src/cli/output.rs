@@ -31,10 +31,8 @@ impl Talk {
     pub(super) fn error(&self, error: &Error) {
         let (red, plain) = if self.colour { ("\x1b[1;31m", "\x1b[0m") } else { ("", "") };
         let text = format!("{red}error{plain}: {error}");
-        let text = match self.colour {
-            true => text.replace("\nhint:", "\n\x1b[1;36mhint\x1b[0m:"),
-            false => text,
-        };
+        let text =
+            if self.colour { text.replace("\nhint:", "\n\x1b[1;36mhint\x1b[0m:") } else { text };
         let _ = writeln!(std::io::stderr(), "{text}");
     }
 

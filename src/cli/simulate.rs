@@ -53,7 +53,7 @@ impl Arguments {
         if let Some(seed) = self.seed {
             scenario.seed = seed;
         }
-        let sources = self.sources(&test, &machine)?;
+        let sources = Self::sources(&test, &machine)?;
         let progress = talk.progress(sources.len() * self.repeats as usize, "simulating");
         let mut files = Files::default();
         let mut simulated: Vec<(String, usize, u32, SimulatedRun)> = Vec::new();
@@ -107,7 +107,7 @@ impl Arguments {
         Ok(())
     }
 
-    fn sources(&self, test: &Test, machine: &crate::machine::Machine) -> Result<Vec<Source>> {
+    fn sources(test: &Test, machine: &crate::machine::Machine) -> Result<Vec<Source>> {
         if test.plan().is_ok() {
             return (0..test.mountings().len())
                 .map(|mounting| {

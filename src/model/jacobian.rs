@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::functions::basis;
-use crate::machine::{Axis, ChainErrors, Machine, Mounting, Pose};
+use crate::machine::{Axis, Machine, Mounting, Pose};
 
 /// Derivative of the length with respect to the six errors of one slide.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,7 +38,8 @@ impl Situation {
     ///
     /// `None` where the two balls coincide, because the bar has no direction there.
     pub fn new(machine: &Machine, mounting: &Mounting, index: usize, pose: &Pose) -> Option<Self> {
-        let ball = machine.ball_vector_mm(mounting, &pose.position_mm, &ChainErrors::zero());
+        // Without errors the ball vector is what the inverse kinematics put in.
+        let ball = pose.position_mm - mounting.coincidence_mm;
         let direction = ball.try_normalize(f64::EPSILON)?;
         Some(Self::along(machine, mounting, index, pose, direction))
     }

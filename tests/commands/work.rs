@@ -4,17 +4,17 @@ use std::path::{Path, PathBuf};
 use std::process::Output;
 
 /// The project's directory.
-pub fn project() -> &'static Path {
+pub(crate) fn project() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
 /// The measured data.
-pub fn data(set: &str) -> PathBuf {
+pub(crate) fn data(set: &str) -> PathBuf {
     project().join("tests/data").join(set)
 }
 
 /// The text of a gzipped file.
-pub fn unpacked(file: &Path) -> String {
+pub(crate) fn unpacked(file: &Path) -> String {
     let mut text = String::new();
     let file = std::fs::File::open(file).unwrap();
     std::io::Read::read_to_string(&mut flate2::read::GzDecoder::new(file), &mut text).unwrap();
@@ -22,33 +22,33 @@ pub fn unpacked(file: &Path) -> String {
 }
 
 /// A temporary directory with files in it.
-pub struct Work {
+pub(crate) struct Work {
     directory: tempfile::TempDir,
 }
 
 impl Work {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self { directory: tempfile::tempdir().unwrap() }
     }
 
-    pub fn path(&self, name: &str) -> PathBuf {
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.directory.path().join(name)
     }
 
-    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) -> &Self {
+    pub(crate) fn write(&self, name: &str, content: impl AsRef<[u8]>) -> &Self {
         std::fs::write(self.path(name), content).unwrap();
         self
     }
 
     /// The machine file, changed.
-    pub fn machine(&self, from: &str, to: &str) -> &Self {
+    pub(crate) fn machine(&self, from: &str, to: &str) -> &Self {
         let source = std::fs::read_to_string(project().join("machines/hu40t.toml")).unwrap();
         assert!(source.contains(from), "{from}");
         self.write("machine.toml", source.replacen(from, to, 1))
     }
 
     /// A test file with a plan and the given rest.
-    pub fn test(&self, rest: &str) -> &Self {
+    pub(crate) fn test(&self, rest: &str) -> &Self {
         self.write(
             "test.toml",
             format!(
@@ -60,7 +60,7 @@ impl Work {
     }
 
     /// A run of the measured 3D6 program with a log of this text.
-    pub fn run_of(&self, log: impl AsRef<[u8]>) -> &Self {
+    pub(crate) fn run_of(&self, log: impl AsRef<[u8]>) -> &Self {
         let program = unpacked(&data("hu40t").join("O1005.nc.gz"));
         self.machine("name", "name")
             .write("O1005.nc", program)
@@ -69,7 +69,7 @@ impl Work {
     }
 
     /// Runs the binary here; results go to `results`.
-    pub fn ballbar(&self, arguments: &[&str]) -> Outcome {
+    pub(crate) fn ballbar(&self, arguments: &[&str]) -> Outcome {
         let output = std::process::Command::new(assert_cmd::cargo::cargo_bin!("ballbar"))
             .current_dir(self.directory.path())
             .args(arguments)
@@ -81,26 +81,26 @@ impl Work {
 }
 
 /// What a run of the binary left behind.
-pub struct Outcome {
+pub(crate) struct Outcome {
     output: Output,
     results: PathBuf,
 }
 
 impl Outcome {
-    pub fn stdout(&self) -> String {
+    pub(crate) fn stdout(&self) -> String {
         String::from_utf8(self.output.stdout.clone()).unwrap()
     }
 
-    pub fn stderr(&self) -> String {
+    pub(crate) fn stderr(&self) -> String {
         String::from_utf8(self.output.stderr.clone()).unwrap()
     }
 
-    pub fn code(&self) -> i32 {
+    pub(crate) fn code(&self) -> i32 {
         self.output.status.code().expect("no signal, no panic")
     }
 
     /// Names of the files in the directory of results, sorted.
-    pub fn files(&self) -> Vec<String> {
+    pub(crate) fn files(&self) -> Vec<String> {
         let Ok(entries) = std::fs::read_dir(&self.results) else { return Vec::new() };
         let mut names: Vec<String> =
             entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
@@ -110,14 +110,14 @@ impl Outcome {
 
     /// It did what it was asked to.
     #[track_caller]
-    pub fn done(self) -> Self {
+    pub(crate) fn done(self) -> Self {
         assert_eq!(self.code(), 0, "{}", self.stderr());
         self
     }
 
     /// It refused with this exit code, a hint, and nothing written; the message follows.
     #[track_caller]
-    pub fn refused(&self, code: i32) -> String {
+    pub(crate) fn refused(&self, code: i32) -> String {
         let message = self.stderr();
         assert_eq!(self.code(), code, "{message}");
         assert_eq!(self.stdout(), "", "no data with an error");
