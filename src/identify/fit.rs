@@ -412,9 +412,10 @@ impl Fit<'_> {
             return Ok(());
         }
         let parameters = self.model.parameters();
-        let sentences: Vec<String> = solution
-            .spectrum()
-            .null_directions(solution.rank(), 0.02)
+        let mut directions = solution.spectrum().null_directions(solution.rank(), 0.02);
+        // In the order of the names: rounding must not decide the order of a message.
+        directions.sort_by_key(|direction| direction.parts.first().map(|part| part.0));
+        let sentences: Vec<String> = directions
             .iter()
             .map(|direction| format!("\n  {}", words::sentence(direction, parameters)))
             .collect();

@@ -189,7 +189,7 @@ fn a_file_that_is_no_program_is_told_apart() {
         assert_eq!((found.line, found.column), place, "{name}");
     }
     let missing = read_file(&folder.path().join("none.nc"), &offsets()).unwrap_err();
-    assert!(missing.what.contains("cannot be read"), "{missing}");
+    assert!(missing.what.contains("cannot read the program"), "{missing}");
     let file = folder.path().join("good.nc");
     std::fs::write(&file, BALL_BAR).unwrap();
     assert_eq!(read_file(&file, &offsets()).unwrap().file, file);
