@@ -1,10 +1,335 @@
-//! The report: one self-contained HTML file.
+//! The report: one self-contained HTML file, without script, without network, for screen and paper.
 
-use super::Analysis;
-use crate::error::Result;
+use askama::Template;
+
+use super::analysis::{Analysis, ArcResult, MeanResult, RepeatResult, RunResult};
+use super::cautions::DETERMINED;
+use super::figures::{self, Figure, RunPicture};
+use super::numbers::{count, fixed, many, signed};
+use super::units::{engineering, row_decimals};
+use super::{terminal, traces};
+use crate::error::{Error, Kind, Result};
 use crate::identify::Identification;
 
-/// Renders the report.
-pub fn render(_analysis: &Analysis, _identifications: &[Identification]) -> Result<String> {
-    Ok(String::new())
+#[derive(Template)]
+#[template(path = "report.html")]
+struct Page<'a> {
+    analysis: &'a Analysis,
+    verdict: Vec<String>,
+    facts: Vec<(&'static str, String)>,
+    coefficients: Vec<CoefficientRow>,
+    repeated: bool,
+    squareness: Vec<[String; 5]>,
+    scale: Vec<[String; 3]>,
+    reversal: Vec<[String; 5]>,
+    runs: Vec<[String; 7]>,
+    arcs: Vec<ArcRow>,
+    confounded: Vec<String>,
+    noise: Vec<[String; 6]>,
+    pauses: Vec<(String, String)>,
+    pictures: Vec<RunPicture>,
+    polar: Vec<Figure>,
+    magnification: String,
+    set_up_taken_off: bool,
+    hysteresis: Vec<Figure>,
+    over_time: Vec<Figure>,
+    over_angle: Vec<Figure>,
+    distribution: Vec<Figure>,
+}
+
+/// A row of the table of coefficients.
+struct CoefficientRow {
+    name: String,
+    mean: String,
+    sigma: String,
+    deviation: String,
+    unit: &'static str,
+    observed: String,
+    determined: bool,
+}
+
+/// A row of the table of arcs: the first run that drove it, and all of them.
+struct ArcRow {
+    name: String,
+    circle: String,
+    direction: &'static str,
+    feed: String,
+    samples: String,
+    rms: Vec<String>,
+    mean: String,
+    worst: String,
+    transit: bool,
+}
+
+/// Renders the report. The same input gives the same bytes.
+///
+/// `identifications` are those that `analysis` was made of, in the same order: tables come from the
+/// one, curves from the others.
+pub fn render(analysis: &Analysis, identifications: &[Identification]) -> Result<String> {
+    let circles = traces::circles(analysis, identifications);
+    let (polar, magnification) = figures::polar(&circles, analysis.ball_bar.length_mm);
+    let distribution = figures::histogram(identifications).into_iter().chain(
+        analysis.repeats.first().zip(identifications.first()).and_then(
+            |(result, identification)| figures::autocorrelation(result, identification, analysis),
+        ),
+    );
+    let page = Page {
+        verdict: terminal::verdict(analysis).iter().map(|line| fine(line)).collect(),
+        facts: facts(analysis),
+        coefficients: analysis.over_repeats.iter().map(coefficient).collect(),
+        repeated: analysis.repeats.len() > 1,
+        squareness: squareness(analysis),
+        scale: scale(analysis),
+        reversal: reversal(analysis),
+        runs: analysis.runs().map(run).collect(),
+        arcs: arcs(analysis),
+        confounded: analysis.repeats.first().map_or_else(Vec::new, |r| r.confounded.clone()),
+        noise: analysis.repeats.iter().map(noise).collect(),
+        pauses: pauses(analysis),
+        pictures: figures::runs(analysis, identifications),
+        polar,
+        magnification,
+        set_up_taken_off: traces::set_up_taken_off(analysis, identifications),
+        hysteresis: figures::hysteresis(analysis),
+        over_time: figures::against_time(identifications),
+        over_angle: figures::against_angle(&circles, identifications),
+        distribution: distribution.collect(),
+        analysis,
+    };
+    page.render().map_err(|error| {
+        Error::new(Kind::Output, format!("the report cannot be rendered: {error}"))
+    })
+}
+
+/// The signs of the trade instead of ASCII.
+fn fine(text: &str) -> String {
+    text.replace(" um", " µm").replace(" urad", " µrad").replace("+-", "±")
+}
+
+fn facts(analysis: &Analysis) -> Vec<(&'static str, String)> {
+    let bar = &analysis.ball_bar;
+    let pivots = analysis.machine.pivots;
+    let mut facts = vec![
+        ("Machine", format!("{}, topology {}", analysis.machine.name, analysis.machine.topology)),
+        ("Pivots", format!("X {}, Y {}, Z {}", pivots.x, pivots.y, pivots.z)),
+        (
+            "Ball-bar",
+            format!(
+                "{} mm, range ± {} mm, resolution {} µm, noise {} µm, {} Hz, clock ± {} ppm",
+                bar.length_mm,
+                bar.range_mm,
+                fixed(bar.resolution_um, 2),
+                fixed(bar.noise_um, 3),
+                fixed(bar.sample_rate_hz, 0),
+                fixed(bar.clock_tolerance_ppm, 0)
+            ),
+        ),
+    ];
+    if let Some(strategy) = &analysis.strategy {
+        facts.push(("Strategy", strategy.clone()));
+    }
+    facts.push(("Terms", analysis.terms.join(" ")));
+    for mounting in &analysis.test.mountings {
+        let at = mounting.coincidence_mm.map(|c| fixed(c, 3)).join(", ");
+        facts.push(("Mounting", format!("{}: balls coincide at ({at}) mm", mounting.name)));
+    }
+    facts.push(("Test file", analysis.test.file.clone()));
+    facts
+}
+
+fn shown(value: Option<f64>, decimals: usize) -> String {
+    value.map_or("–".into(), |value| minus(fixed(value, decimals)))
+}
+
+/// A minus as wide as a plus: columns of numbers stay straight.
+fn minus(text: String) -> String {
+    text.strip_prefix('-').map_or(text.clone(), |bare| format!("−{bare}"))
+}
+
+fn coefficient(mean: &MeanResult) -> CoefficientRow {
+    let unit = engineering(mean.unit);
+    let determined = mean.observed >= DETERMINED;
+    let value = mean.mean * unit.factor;
+    let sigma = mean.sigma.filter(|_| determined).map(|s| s * unit.factor);
+    let decimals = row_decimals(value, sigma);
+    CoefficientRow {
+        name: mean.name.clone(),
+        mean: shown(Some(value), decimals),
+        sigma: shown(sigma, decimals),
+        deviation: shown(mean.deviation.map(|d| d * unit.factor), decimals),
+        unit: unit.fine,
+        observed: terminal::observed(mean.observed),
+        determined,
+    }
+}
+
+/// A value that the data do not determine is told as such instead of with a sigma.
+fn spread(value: Option<f64>, decimals: usize, observed: f64) -> String {
+    if observed < DETERMINED {
+        return format!("only {} observed", terminal::observed(observed));
+    }
+    shown(value, decimals)
+}
+
+fn squareness(analysis: &Analysis) -> Vec<[String; 5]> {
+    let rows = analysis.machine_errors.squareness.iter();
+    rows.map(|s| {
+        [
+            format!("{} ({}, {})", s.axes, s.name, s.symbol),
+            minus(signed(s.angle_minus_90_um_m, 2)),
+            minus(signed(s.angle_minus_90_arcsec, 2)),
+            spread(s.sigma_um_m, 2, s.observed),
+            shown(s.deviation_um_m, 2),
+        ]
+    })
+    .collect()
+}
+
+fn scale(analysis: &Analysis) -> Vec<[String; 3]> {
+    let rows = analysis.machine_errors.scale.iter();
+    rows.map(|s| {
+        [
+            format!("{} {}", s.name, minus(signed(s.value_um_m, 2))),
+            spread(s.sigma_um_m, 2, s.observed),
+            shown(s.deviation_um_m, 2),
+        ]
+    })
+    .collect()
+}
+
+fn reversal(analysis: &Analysis) -> Vec<[String; 5]> {
+    let errors = &analysis.machine_errors;
+    let displacements = errors.reversal.iter().map(|r| {
+        [
+            format!("{}, {}", r.name, r.kind),
+            format!("{} µm", minus(signed(r.step_um, 3))),
+            format!("{} µm", minus(signed(r.coefficient_um, 3))),
+            spread(r.sigma_um, 3, r.observed),
+            shown(r.deviation_um, 3),
+        ]
+    });
+    let rotations = errors.angular_hysteresis.iter().map(|h| {
+        [
+            format!("{}, angular", h.name),
+            format!("{} µrad", minus(signed(h.step_urad, 2))),
+            format!("{} µrad", minus(signed(h.coefficient_urad, 2))),
+            spread(h.sigma_urad, 2, h.observed),
+            shown(h.deviation_urad, 2),
+        ]
+    });
+    displacements.chain(rotations).collect()
+}
+
+fn run(run: &RunResult) -> [String; 7] {
+    let rate_sigma =
+        run.clock_rate_sigma_ppm.map_or(String::new(), |s| format!(" ± {}", fixed(s, 1)));
+    let knob = &run.feed_override;
+    let feed = match knob.excess_sigma_percent {
+        Some(sigma) => format!(
+            "{} % {} ± {} %",
+            fixed(knob.stated_percent, 0),
+            minus(signed(knob.excess_percent, 3)),
+            fixed(sigma, 3)
+        ),
+        None => format!("{} %", fixed(knob.stated_percent, 0)),
+    };
+    [
+        run.name.clone(),
+        fixed(run.engagement_log_s, 3),
+        format!("{}{rate_sigma}", minus(signed(run.clock_rate_ppm, 1))),
+        feed,
+        run.worst_time_sigma_ms.map_or("unknown".into(), |s| fixed(s, 2)),
+        format!(
+            "{} / {} / {}",
+            count(run.samples.used),
+            count(run.samples.rejected),
+            count(run.samples.not_used)
+        ),
+        fixed(run.residual_rms_um, 3),
+    ]
+}
+
+/// Arcs of the same name and direction are one row, with a column a repeat.
+fn arcs(analysis: &Analysis) -> Vec<ArcRow> {
+    let mut rows: Vec<(&ArcResult, Vec<Vec<&ArcResult>>)> = Vec::new();
+    let repeats = analysis.repeats.len();
+    for (index, repeat) in analysis.repeats.iter().enumerate() {
+        for arc in repeat.runs.iter().flat_map(|run| &run.arcs) {
+            let same = |row: &&ArcResult| {
+                row.name == arc.name && row.circle == arc.circle && row.direction == arc.direction
+            };
+            let place = rows.iter().position(|(first, _)| same(first)).unwrap_or_else(|| {
+                rows.push((arc, vec![Vec::new(); repeats]));
+                rows.len() - 1
+            });
+            rows[place].1[index].push(arc);
+        }
+    }
+    rows.into_iter()
+        .map(|(first, of_repeats)| {
+            let all: Vec<&ArcResult> = of_repeats.iter().flatten().copied().collect();
+            let samples: usize = all.iter().map(|arc| arc.samples).sum();
+            let weighted = |value: &dyn Fn(&ArcResult) -> f64, arcs: &[&ArcResult]| {
+                let of: usize = arcs.iter().map(|arc| arc.samples).sum();
+                arcs.iter().map(|arc| value(arc) * arc.samples as f64).sum::<f64>()
+                    / of.max(1) as f64
+            };
+            ArcRow {
+                name: first.name.clone(),
+                circle: first.circle.clone(),
+                direction: first.direction,
+                feed: fixed(first.feed_mm_min, 0),
+                samples: count(samples),
+                rms: of_repeats
+                    .iter()
+                    .map(|arcs| {
+                        if arcs.is_empty() {
+                            return "–".into();
+                        }
+                        fixed(weighted(&|arc| arc.rms_um.powi(2), arcs).sqrt(), 3)
+                    })
+                    .collect(),
+                mean: minus(signed(weighted(&|arc| arc.mean_um, &all), 3)),
+                worst: fixed(all.iter().map(|arc| arc.worst_um).fold(0.0, f64::max), 2),
+                transit: first.transit,
+            }
+        })
+        .collect()
+}
+
+fn noise(repeat: &RepeatResult) -> [String; 6] {
+    let coefficients: Vec<String> =
+        repeat.noise.autoregressive.iter().map(|phi| minus(fixed(*phi, 3))).collect();
+    [
+        repeat.repeat.to_string(),
+        fixed(repeat.residual_rms_um, 3),
+        fixed(repeat.noise.sigma_um, 3),
+        if coefficients.is_empty() { "white".into() } else { coefficients.join(", ") },
+        repeat.noise.effective_samples.map_or("–".into(), |n| count(n.round() as usize)),
+        count(repeat.samples.used),
+    ]
+}
+
+/// Operator's pauses of each run that has any, in words.
+fn pauses(analysis: &Analysis) -> Vec<(String, String)> {
+    analysis
+        .runs()
+        .filter(|run| run.pauses.iter().any(|pause| pause.length_s.is_some()))
+        .map(|run| {
+            let lengths: Vec<String> = run
+                .pauses
+                .iter()
+                .filter_map(|pause| {
+                    let length = fixed(pause.length_s?, 3);
+                    Some(pause.sigma_ms.map_or(length.clone(), |sigma| {
+                        format!("{length} ± {}", fixed(sigma * 1e-3, 3))
+                    }))
+                })
+                .collect();
+            (
+                run.name.clone(),
+                format!("{}: {} s", many(lengths.len(), "pause"), lengths.join(", ")),
+            )
+        })
+        .collect()
 }

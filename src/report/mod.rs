@@ -9,6 +9,7 @@
 
 mod analysis;
 mod cautions;
+mod figures;
 #[cfg(test)]
 mod fixture;
 mod gather;
@@ -17,7 +18,11 @@ mod machine_errors;
 mod numbers;
 mod samples;
 mod svg;
+mod svg_chart;
+mod svg_polar;
 mod terminal;
+mod ticks;
+mod traces;
 mod units;
 
 pub use analysis::{
