@@ -125,13 +125,22 @@ pub(super) fn pair(
     log: &Log,
     expected: &[Engagement],
     observed: &[Range<usize>],
+    trajectory: &Trajectory,
     feed_override: f64,
 ) -> Result<Vec<Range<usize>>> {
     let duration_s = |stretch: &Range<usize>| {
         log.readings()[stretch.end - 1].time_s - log.readings()[stretch.start].time_s
     };
-    let refuse =
-        |reason: &str| Err(Refusal { log, expected, observed, feed_override }.error(reason));
+    let feed_s = expected
+        .iter()
+        .map(|e| trajectory.feed_elapsed_s(e.end_s) - trajectory.feed_elapsed_s(e.start_s))
+        .sum();
+    // The operator's hand is not told with the rest.
+    let told: Vec<Range<usize>> =
+        observed.iter().filter(|stretch| duration_s(stretch) > 1.0).cloned().collect();
+    let refuse = |reason: &str| {
+        Err(Refusal { log, expected, observed: &told, feed_override, feed_s }.error(reason))
+    };
     let Some(shortest_s) = expected.iter().map(Engagement::duration_s).reduce(f64::min) else {
         return Err(Error::new(Kind::Mismatch, "the program never brings the bar into its range")
             .hint(
@@ -142,7 +151,7 @@ pub(super) fn pair(
         observed.iter().filter(|s| duration_s(s) > 0.3 * shortest_s).cloned().collect();
     if long.len() < expected.len() {
         return refuse(&format!(
-            "of {} expected engagement(s) the log shows {} that last long enough",
+            "the program engages the bar {} time(s), the log shows {} of such a length",
             expected.len(),
             long.len()
         ));
@@ -179,6 +188,8 @@ pub struct Refusal<'a> {
     expected: &'a [Engagement],
     observed: &'a [Range<usize>],
     feed_override: f64,
+    /// Time at feed in the engagements, s.
+    feed_s: f64,
 }
 
 impl Refusal<'_> {
@@ -217,15 +228,43 @@ impl Refusal<'_> {
             end_s
         );
         let error = Error::new(Kind::Mismatch, what).at(Place::file(self.log.file()));
-        let (program_s, log_s): (f64, f64) = (
-            self.expected.iter().map(Engagement::duration_s).sum(),
-            observed.iter().map(|(a, b)| b - a).sum(),
-        );
-        let percent = 100.0 * self.feed_override * program_s / log_s;
-        if self.expected.len() == observed.len() && stops == 0 && (30.0..=200.0).contains(&percent)
+        // A log that was cut off explains itself better than an override would.
+        let cut = |reading: Option<&crate::log::Reading>| {
+            reading.is_some_and(|reading| reading.deviation_mm.is_some())
+        };
+        match (cut(readings.first()), cut(readings.last())) {
+            (true, true) => {
+                return error.hint(
+                    "the bar reads from the log's first line to its last: its beginning and its end are missing",
+                );
+            }
+            (true, false) => {
+                return error
+                    .hint("the bar reads from the log's first line on: its beginning is missing");
+            }
+            (false, true) => {
+                return error.hint("the bar reads until the log's last line: its end is missing");
+            }
+            (false, false) => {}
+        }
+        let log_s: f64 = observed.iter().map(|(a, b)| b - a).sum();
+        // Dwells take their time at any override.
+        let dwell_s = self.expected.iter().map(Engagement::duration_s).sum::<f64>() - self.feed_s;
+        let percent = 100.0 * self.feed_override * self.feed_s / (log_s - dwell_s);
+        // The knob has steps of 5 or 10.
+        let near_step = (percent - 5.0 * (percent / 5.0).round()).abs() < 0.5;
+        if self.expected.len() == observed.len()
+            && stops == 0
+            && near_step
+            && (30.0..=200.0).contains(&percent)
         {
+            let stopped = if percent < 100.0 {
+                "; if the machine stood in between, write an M00 where it did"
+            } else {
+                ""
+            };
             error.hint(format!(
-                "take the program that ran; only if the feed override stood at about {percent:.0} %, say `feed_override_percent = {percent:.0}.0` in the run"
+                "take the program that ran; if the feed override stood at {percent:.0} %, say `feed_override_percent = {percent:.0}.0` in the run{stopped}"
             ))
         } else {
             error.hint("take the log and the program of the same run")
@@ -233,9 +272,11 @@ impl Refusal<'_> {
     }
 }
 
-/// 60 characters of time: `#` where the bar reads.
+/// Characters of a timeline.
+const WIDTH: usize = 60;
+
+/// A line of time: `#` where the bar reads.
 fn timeline(spans: &[(f64, f64)], end_s: f64) -> String {
-    const WIDTH: usize = 60;
     (0..WIDTH)
         .map(|k| {
             let (low, high) =

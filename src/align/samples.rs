@@ -146,7 +146,7 @@ pub fn align(
     loop {
         let trajectory = Trajectory::new(program, machine, feed_override * (1.0 + excess));
         let expected = engagement::expected(&trajectory, &coincidence_mm, bar);
-        let stretches = engagement::pair(log, &expected, &observed, feed_override)?;
+        let stretches = engagement::pair(log, &expected, &observed, &trajectory, feed_override)?;
         let pivot_s = middle_s(log, &stretches);
         let mut time_map = TimeMap::new(&trajectory, pivot_s);
         let mut marks = Vec::new();
