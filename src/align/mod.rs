@@ -9,11 +9,15 @@
 //! one offset a *leg*, the part of a program between two operator's pauses; the difference of two
 //! offsets is how long the operator let the machine stand. Inside a leg without a ramp the offset is
 //! known only to about a second here; the room `identify` refines it together with the coefficients.
+//!
+//! The map is straight inside a leg. A log that lost readings there without a gap in its times, or a
+//! machine that stood where the program does not say so, is refused by [`TimeStep`].
 
 mod engagement;
 mod ramp;
 mod samples;
 mod section;
+mod steps;
 mod stops;
 mod time_map;
 
@@ -21,4 +25,5 @@ pub use engagement::{Engagement, Refusal};
 pub use ramp::{Mark, MarkKind};
 pub use samples::{Alignment, Place, Sample, align};
 pub use section::{Circle, Section};
+pub use steps::{ArcTime, TimeStep};
 pub use time_map::{Moment, TimeMap};

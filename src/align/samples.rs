@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 use super::engagement::{self, Engagement};
 use super::{Mark, MarkKind, Section, TimeMap, ramp, section, stops};
-use crate::error::Result;
+use crate::error::{Error, Kind, Result};
 use crate::log::Log;
 use crate::machine::{Machine, Mounting, Pose};
 use crate::motion::Trajectory;
@@ -164,12 +164,17 @@ pub fn align(
             }
         }
         time_map.fit_marks(&marks, bar.clock_tolerance);
-        // What the clock cannot explain is the feed. Only once: the second time it is what it is.
+        // What the clock cannot explain is the feed, unless it was lost at one place. Only once: the
+        // second time it is what it is.
         if time_map.rate.abs() > 1.5 * bar.clock_tolerance && excess == 0.0 {
             let total = trajectory.duration();
             let share = total.known_s() / total.feed_s.max(1e-9);
             excess = time_map.rate * share;
             excess_sigma = bar.clock_tolerance * share;
+            let longer_s = time_map.rate.abs() * trajectory.end_s();
+            let plain = time_map.at_equal_rates(&marks);
+            let probe = lay(log, &stretches, trajectory, plain, marks, expected, mounting, bar);
+            refuse_step(log, &probe, longer_s)?;
             continue;
         }
         for (stretch, engagement) in stretches.iter().zip(&expected) {
@@ -177,26 +182,74 @@ pub fn align(
         }
         time_map.override_excess = excess;
         time_map.override_sigma = excess_sigma;
-        let sections = section::sections(&trajectory, &coincidence_mm, bar);
-        let readings = stretches
-            .iter()
-            .flat_map(|stretch| &log.readings()[stretch.clone()])
-            .filter_map(|r| r.deviation_mm.map(|deviation| (r.time_s, r.line, deviation)))
-            .collect();
-        let mut alignment = Alignment {
-            trajectory,
-            time_map,
-            marks,
-            engagements: expected,
-            sections,
-            samples: Vec::new(),
-            sample_period_s: log.sample_period_s(),
-            coincidence_mm,
-            readings,
-        };
-        alignment.place_samples();
-        return Ok(alignment);
+        return Ok(lay(log, &stretches, trajectory, time_map, marks, expected, mounting, bar));
     }
+}
+
+/// Lays the readings of the engagements over the program.
+#[allow(clippy::too_many_arguments)]
+fn lay(
+    log: &Log,
+    stretches: &[Range<usize>],
+    trajectory: Trajectory,
+    time_map: TimeMap,
+    marks: Vec<Mark>,
+    engagements: Vec<Engagement>,
+    mounting: &Mounting,
+    bar: &BallBar,
+) -> Alignment {
+    let coincidence_mm = mounting.coincidence_mm;
+    let sections = section::sections(&trajectory, &coincidence_mm, bar);
+    let readings = stretches
+        .iter()
+        .flat_map(|stretch| &log.readings()[stretch.clone()])
+        .filter_map(|r| r.deviation_mm.map(|deviation| (r.time_s, r.line, deviation)))
+        .collect();
+    let mut alignment = Alignment {
+        trajectory,
+        time_map,
+        marks,
+        engagements,
+        sections,
+        samples: Vec::new(),
+        sample_period_s: log.sample_period_s(),
+        coincidence_mm,
+        readings,
+    };
+    alignment.place_samples();
+    alignment
+}
+
+/// Refuses a log that differs from the program by `longer_s` when most of it was lost at one place: no
+/// feed override does that.
+fn refuse_step(log: &Log, probe: &Alignment, longer_s: f64) -> Result<()> {
+    let Some(step) = probe.time_step(longer_s + 0.5) else { return Ok(()) };
+    if step.lost_s.abs() < 0.5 * longer_s {
+        return Ok(());
+    }
+    let name = |index: usize| &probe.sections[index].name;
+    let (what, hint) = if step.lost_s > 0.0 {
+        (
+            "is missing from the log, without a gap in its times",
+            "take the log as the instrument wrote it; readings must not be cut out of it",
+        )
+    } else {
+        (
+            "is in the log and not in the program",
+            "the machine stood or the feed was held there; repeat the run, or write an M00 into the program",
+        )
+    };
+    Err(Error::new(
+        Kind::Mismatch,
+        format!(
+            "between the middle of `{}` and that of `{}`, {:.1} s {what}",
+            name(step.before),
+            name(step.after),
+            step.lost_s.abs()
+        ),
+    )
+    .at(crate::error::Place::file(log.file()))
+    .hint(hint))
 }
 
 /// The middle of what was measured, on the log's clock, s.

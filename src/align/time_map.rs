@@ -104,6 +104,16 @@ impl TimeMap {
         }
     }
 
+    /// The same map with the rate 0, every leg set by its first mark.
+    pub(super) fn at_equal_rates(&self, marks: &[Mark]) -> Self {
+        let mut map = Self { rate: 0.0, ..self.clone() };
+        for mark in marks.iter().rev() {
+            let leg = map.leg_of(mark.program_s);
+            map.offsets_s[leg] = mark.log_s - mark.program_s;
+        }
+        map
+    }
+
     /// Standard deviation of the program time of a log time on a leg, s.
     pub fn sigma_s(&self, log_s: f64, leg: usize) -> f64 {
         let offset = self.offset_sigmas_s[leg];
