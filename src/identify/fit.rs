@@ -1,7 +1,7 @@
 //! The joint fit of coefficients and time maps.
 
 use super::residuals::{self, Record};
-use super::{timing, words};
+use super::{cautions, timing, words};
 use crate::align::{Alignment, Place, TimeMap};
 use crate::error::{Error, Kind, Result};
 use crate::model::{Model, Parameter};
@@ -94,6 +94,8 @@ pub struct Identification {
     pub used: usize,
     /// Gauss-Newton steps.
     pub steps: usize,
+    /// What speaks against the result, in sentences.
+    pub cautions: Vec<String>,
 }
 
 impl Identification {
@@ -158,8 +160,8 @@ impl Columns {
 ///
 /// # Errors
 /// When the selection is rank-deficient and `minimum_norm` is off, with the combinations that cannot
-/// be told apart; when there are fewer samples than parameters; when the fit does not converge or does
-/// not explain the log at all, which is the sign of a log of another program.
+/// be told apart; when there are fewer samples than parameters; when the fit does not converge. A fit
+/// that converges and does not explain the log has [`Identification::cautions`].
 pub fn identify(model: &Model, runs: Vec<RunInput>, options: &Options) -> Result<Identification> {
     let columns = Columns::new(model.parameters().len(), &runs);
     let mut fit = Fit {
@@ -499,6 +501,7 @@ impl Fit<'_> {
             .collect();
         let lost = self.columns.total - outcome.solution.rank();
         let correlation = solve::correlation(&covariance);
+        let cautions = cautions::cautions(&self.runs, &records, rms_mm, &noise, self.options.loss);
         Ok(Identification {
             estimates,
             correlation: Matrix::from_fn(count, count, |i, k| correlation[(i, k)]),
@@ -513,6 +516,7 @@ impl Fit<'_> {
             rms_mm,
             used: used.len(),
             steps,
+            cautions,
         })
     }
 

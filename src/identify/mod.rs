@@ -18,6 +18,7 @@
 //! sphere stands out of the noise, see [`SEEN_UM`].
 
 mod campaign;
+mod cautions;
 mod fit;
 mod repeats;
 mod residuals;
