@@ -7,6 +7,8 @@
 //! | `kinematics` | forward after inverse |
 //! | `ranks` | the tables of `DESIGN.md`, section 4, which were computed apart from this code |
 //! | `truth` | what was put into the logs of `tests/data` |
+//! | `refusal` | logs laid over programs that they do not belong to, logs that lost something |
+//! | `determinism` | the same bits on every run and with every number of threads |
 //!
 //! `cargo test --release --test oracle -- --nocapture` shows every number that was measured.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
@@ -14,7 +16,9 @@
 mod chain;
 mod columns;
 mod common;
+mod determinism;
 mod dual_chain;
 mod kinematics;
 mod ranks;
+mod refusal;
 mod truth;

@@ -92,6 +92,11 @@ fn what_was_put_in_comes_out() {
             if !stops {
                 hold(&format!("{run}: worst time, ms"), worst, 20.0);
             }
+            hold(
+                &format!("{run}: cautions {:?}", found.cautions),
+                found.cautions.len() as f64,
+                0.0,
+            );
             hold(&format!("{run}: clock, sigma"), clock_ppm.abs() / (1e6 * map.rate_sigma), 4.0);
             hold(&format!("{run}: residual over floor"), ratio, if stops { 1.06 } else { 1.03 });
         }
