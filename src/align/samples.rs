@@ -177,6 +177,7 @@ pub fn align(
             refuse_step(log, &probe, longer_s)?;
             continue;
         }
+        refuse_inconsistent(log, &time_map, &marks)?;
         for (stretch, engagement) in stretches.iter().zip(&expected) {
             marks.extend(find_pauses(&mut time_map, log, stretch, engagement));
         }
@@ -218,6 +219,31 @@ fn lay(
     };
     alignment.place_samples();
     alignment
+}
+
+/// Engagements and releases of one leg fit a straight map to some ms; more than this is lost time, s.
+const INCONSISTENT_S: f64 = 0.05;
+
+/// Refuses a log whose engagements and releases do not fit one clock and one feed.
+fn refuse_inconsistent(log: &Log, time_map: &TimeMap, marks: &[Mark]) -> Result<()> {
+    let off_s = |mark: &Mark| {
+        time_map.on_leg_s(mark.log_s, time_map.leg_of(mark.program_s)) - mark.program_s
+    };
+    let worst = marks.iter().max_by(|a, b| off_s(a).abs().total_cmp(&off_s(b).abs()));
+    let Some(mark) = worst.filter(|m| off_s(m).abs() > INCONSISTENT_S.max(4.0 * m.sigma_s)) else {
+        return Ok(());
+    };
+    let what = if mark.kind == MarkKind::Engagement { "engagement" } else { "release" };
+    Err(Error::new(
+        Kind::Mismatch,
+        format!(
+            "the {what} at {:.2} s of the log is {:.2} s off from where the others put it: one clock and one feed do not explain them all",
+            mark.log_s,
+            off_s(mark).abs()
+        ),
+    )
+    .at(crate::error::Place::file(log.file()))
+    .hint("take the log as the instrument wrote it, from a run that was not interrupted"))
 }
 
 /// Refuses a log that differs from the program by `longer_s` when most of it was lost at one place: no

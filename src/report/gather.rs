@@ -61,7 +61,9 @@ impl Analysis {
             cautions: Vec::new(),
             remarks: Vec::new(),
         };
-        analysis.cautions = cautions::of(&analysis);
+        // What speaks against the fit itself comes before what speaks for caution in reading it.
+        let of_fits = identifications.iter().flat_map(|repeat| repeat.cautions.iter().cloned());
+        analysis.cautions = of_fits.chain(cautions::of(&analysis)).collect();
         analysis
     }
 }

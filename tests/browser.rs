@@ -1,0 +1,122 @@
+//! The report in a browser: it fits, nothing lies over anything else, it needs no network, it prints.
+//!
+//! Needs Chromium. Without it the test says that it was skipped; in CI it must run.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// What the page says about itself, as JSON in its own text.
+const INSPECTION: &str = r#"
+<script>
+addEventListener("load", () => {
+  const findings = [];
+  const root = document.documentElement;
+  if (root.scrollWidth > innerWidth + 1) findings.push(`wider than the window: ${root.scrollWidth} > ${innerWidth}`);
+  const drawings = [...document.querySelectorAll("svg")];
+  for (const svg of drawings) {
+    const name = (svg.getAttribute("aria-label") || svg.closest("figure")?.innerText || "drawing").slice(0, 60);
+    const frame = svg.getBoundingClientRect();
+    if (!svg.querySelector("text")) continue; // a sample of a line in a legend
+    if (frame.width < 50 || frame.height < 10) findings.push(`${name}: drawn ${frame.width} x ${frame.height}`);
+    const texts = [...svg.querySelectorAll("text")].filter(t => t.textContent.trim());
+    const boxes = texts.map(t => t.getBoundingClientRect());
+    texts.forEach((text, i) => {
+      const a = boxes[i];
+      if (a.left < frame.left - 2 || a.right > frame.right + 2 || a.top < frame.top - 2 || a.bottom > frame.bottom + 2)
+        findings.push(`${name}: "${text.textContent}" leaves the drawing`);
+      for (let k = i + 1; k < texts.length; k++) {
+        const b = boxes[k];
+        const wide = Math.min(a.right, b.right) - Math.max(a.left, b.left);
+        const high = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
+        if (wide > 2 && high > 3) findings.push(`${name}: "${text.textContent}" lies over "${texts[k].textContent}"`);
+      }
+    });
+  }
+  const pre = document.createElement("pre");
+  pre.id = "inspection";
+  pre.textContent = JSON.stringify({
+    findings: findings.slice(0, 40),
+    drawings: drawings.length,
+    tables: document.querySelectorAll("table").length,
+    resources: performance.getEntriesByType("resource").map(r => r.name),
+  });
+  document.body.append(pre);
+});
+</script>
+"#;
+
+fn chromium() -> Option<PathBuf> {
+    let found = ["chromium", "chromium-browser", "google-chrome"]
+        .into_iter()
+        .flat_map(|name| {
+            let path = std::env::var_os("PATH").unwrap_or_default();
+            std::env::split_paths(&path).map(|p| p.join(name)).collect::<Vec<_>>()
+        })
+        .find(|file| file.is_file());
+    assert!(found.is_some() || std::env::var_os("CI").is_none(), "CI has to have Chromium");
+    found
+}
+
+fn browse(chromium: &Path, arguments: &[&str], page: &Path) -> Vec<u8> {
+    let profile = tempfile::tempdir().unwrap();
+    let output = Command::new(chromium)
+        .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"])
+        .args(["--disable-background-networking", "--disable-component-update", "--disable-sync"])
+        .arg(format!("--user-data-dir={}", profile.path().display()))
+        .args(arguments)
+        .arg(format!("file://{}", page.display()))
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    output.stdout
+}
+
+fn inspected(chromium: &Path, report: &Path, window: &str) -> serde_json::Value {
+    let source = std::fs::read_to_string(report).unwrap();
+    let page = report.with_file_name(format!("inspected-{window}.html"));
+    std::fs::write(&page, source.replacen("</body>", &format!("{INSPECTION}</body>"), 1)).unwrap();
+    let size = format!("--window-size={window},2000");
+    let dom = browse(chromium, &["--dump-dom", "--virtual-time-budget=20000", &size], &page);
+    let dom = String::from_utf8(dom).unwrap();
+    let (_, rest) = dom.split_once("<pre id=\"inspection\">").expect("the page was inspected");
+    let text = rest.split_once("</pre>").unwrap().0;
+    let text = text.replace("&gt;", ">").replace("&lt;", "<").replace("&amp;", "&");
+    serde_json::from_str(&text).unwrap()
+}
+
+#[test]
+fn the_reports_fit_a_screen_and_print() {
+    let Some(chromium) = chromium() else {
+        eprintln!("skipped: Chromium is not installed, so nobody looked at the report");
+        return;
+    };
+    for (set, circles) in [("hu40t", 6), ("planar", 3)] {
+        let work = tempfile::tempdir().unwrap();
+        let test = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(set);
+        let status = Command::new(env!("CARGO_BIN_EXE_ballbar"))
+            .args(["analyse", test.join("test.toml").to_str().unwrap(), "--quiet", "-o"])
+            .arg(work.path())
+            .stdout(std::process::Stdio::null())
+            .status()
+            .unwrap();
+        assert!(status.success());
+        let report = work.path().join("report.html");
+        for window in ["1200", "900"] {
+            let found = inspected(&chromium, &report, window);
+            let findings = found["findings"].as_array().unwrap();
+            assert!(findings.is_empty(), "{set} at {window}: {findings:#?}");
+            assert!(found["resources"].as_array().unwrap().is_empty(), "no network: {found}");
+            // A polar plot for each circle, two alignment pictures a run, and the residuals.
+            assert!(found["drawings"].as_u64().unwrap() > circles + 5, "{found}");
+            assert!(found["tables"].as_u64().unwrap() >= 3, "{found}");
+        }
+        let pdf = work.path().join("report.pdf");
+        let print = format!("--print-to-pdf={}", pdf.display());
+        browse(&chromium, &[&print, "--no-pdf-header-footer"], &report);
+        let pages = std::fs::read(&pdf).unwrap();
+        let pages = pages.windows(11).filter(|window| window.starts_with(b"/Type /Page")).count();
+        assert!((3..60).contains(&pages), "{set}: {pages} pages");
+    }
+}
