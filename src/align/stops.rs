@@ -24,7 +24,12 @@ pub(super) fn pauses_s(
     let pauses = stretches_s.len() - 1;
     let spare_s = (end_s - start_s - stretches_s.iter().sum::<f64>()).max(0.0);
     let cell_s = log.sample_period_s().max(spare_s / MOST_CELLS);
-    let scatter = Scatter::new(log, engaged, start_s, end_s, cell_s);
+    // No pause reaches beyond the first and the last stretch, but a cell may: where a feed-out follows
+    // the last pause at once, one sample of it outweighs everything else.
+    let period_s = log.sample_period_s();
+    let last_stretch_s = stretches_s.last().copied().unwrap_or(0.0);
+    let inner_s = start_s + stretches_s[0] + period_s..end_s - last_stretch_s - period_s;
+    let scatter = Scatter::new(log, engaged, start_s, end_s, cell_s, &inner_s);
     let cells = (spare_s / cell_s).round() as usize;
 
     let mut best = vec![f64::INFINITY; cells + 1];
@@ -66,7 +71,14 @@ struct Scatter {
 }
 
 impl Scatter {
-    fn new(log: &Log, engaged: &Range<usize>, start_s: f64, end_s: f64, cell_s: f64) -> Self {
+    fn new(
+        log: &Log,
+        engaged: &Range<usize>,
+        start_s: f64,
+        end_s: f64,
+        cell_s: f64,
+        inner_s: &Range<f64>,
+    ) -> Self {
         let cells = ((end_s - start_s) / cell_s).ceil() as usize + 2;
         let mut of = Self {
             count: vec![0.0; cells + 1],
@@ -74,7 +86,10 @@ impl Scatter {
             squares: vec![0.0; cells + 1],
         };
         for reading in &log.readings()[engaged.clone()] {
-            let Some(value) = reading.deviation_mm else { continue };
+            let Some(value) = reading.deviation_mm.filter(|_| inner_s.contains(&reading.time_s))
+            else {
+                continue;
+            };
             let cell = ((reading.time_s - start_s) / cell_s).floor().max(0.0) as usize;
             let cell = cell.min(cells - 1) + 1;
             of.count[cell] += 1.0;
