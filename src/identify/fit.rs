@@ -12,7 +12,7 @@ use crate::solve::{
 };
 
 /// A direction is observed when a combination of errors of this size each (rms over the measured
-/// sphere, um) would show by more than [`SEEN_SIGMAS`] standard deviations of the stated noise.
+/// sphere, um) would show by more than `SEEN_SIGMAS` standard deviations of the stated noise.
 pub const SEEN_UM: f64 = 25.0;
 /// See [`SEEN_UM`].
 const SEEN_SIGMAS: f64 = 3.0;
@@ -23,8 +23,8 @@ const MOST_STEPS: usize = 25;
 const NEGLIGIBLE: f64 = 1e-4;
 /// During the first steps the samples that take part are chosen anew.
 const CHOOSING_STEPS: usize = 3;
-/// Highest order of the noise model.
-const NOISE_ORDER: usize = 8;
+/// How often the noise model is told what the fit has taken out of its own residuals.
+const NOISE_PASSES: usize = 3;
 
 /// How to identify.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -467,16 +467,26 @@ impl Fit<'_> {
         let used: Vec<f64> =
             records.iter().flatten().filter(|r| r.used).map(|r| r.residual_mm).collect();
         let rms_mm = residuals::rms(&used);
-        let mut covariances = Autocovariances::new(NOISE_ORDER);
+        // The usual bound, 10 log10(N): the higher the sample rate, the longer the noise is in samples.
+        // And not so high that what the fit has taken out is half of what such an order sums up.
+        let samples = used.len().max(1) as f64;
+        let most = 0.25 * samples / outcome.solution.rank().max(1) as f64;
+        let order = most.min(10.0 * samples.log10()) as usize;
+        let mut covariances = Autocovariances::new(order);
         for (run, records) in self.runs.iter().zip(&records) {
             for segment in residuals::segments(&run.alignment, records) {
                 let values: Vec<f64> = records[segment].iter().map(|r| r.residual_mm).collect();
                 covariances.push_segment(&values);
             }
         }
-        let freedom = used.len().saturating_sub(outcome.solution.rank()).max(1) as f64;
-        let noise = NoiseModel::fit(&covariances, NOISE_ORDER)?
-            .scaled((used.len() as f64 / freedom).sqrt());
+        let mut noise = NoiseModel::fit(&covariances, order)?;
+        // The order stays: on few samples a free one takes what is given back for a correlation without
+        // end, asks for more, and runs away.
+        let order = noise.phi().len();
+        for _ in 0..NOISE_PASSES {
+            let whole = covariances.with_fitted(outcome.solution.rank(), noise.long_run_variance());
+            noise = NoiseModel::fit(&whole, order)?;
+        }
         let filtered = self.filtered(&records, &noise)?;
         let covariance = outcome.solution.covariance_sandwich(&filtered);
         let sigmas = solve::standard_deviations(&covariance);
