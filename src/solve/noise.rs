@@ -358,7 +358,7 @@ mod tests {
     fn what_a_fit_has_taken_out_is_given_back() {
         let truth = NoiseModel::autoregressive(vec![0.9], 1.0).unwrap();
         assert!((truth.long_run_variance() - 100.0).abs() < 1e-9);
-        let (count, length) = (2000, 200);
+        let (count, length) = (2000, 200_usize);
         let mut rng = Pcg64Mcg::seed_from_u64(3);
         let mut all = Autocovariances::new(3);
         for _ in 0..count {
