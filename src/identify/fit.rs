@@ -321,7 +321,8 @@ impl Fit<'_> {
         let mut rows = Tsqr::new(self.columns.total);
         let mut row = vec![0.0; self.columns.total];
         for (index, run) in self.runs.iter().enumerate() {
-            for (k, sample) in run.alignment.samples.iter().enumerate() {
+            let stride = timing::stride(detail, run.alignment.samples.len());
+            for (k, sample) in run.alignment.samples.iter().enumerate().step_by(stride) {
                 if !self.taking_part[index][k] {
                     continue;
                 }

@@ -22,6 +22,17 @@ pub(super) enum Detail {
     Smooth,
 }
 
+/// So many samples of a run bring its offsets within reach of the facets; more only take longer.
+const ENOUGH: usize = 20_000;
+
+/// Every how many samples one is looked at.
+pub(super) fn stride(detail: Detail, samples: usize) -> usize {
+    match detail {
+        Detail::Full => 1,
+        Detail::Smooth => samples.div_ceil(ENOUGH).max(1),
+    }
+}
+
 /// A sample as the fit sees it.
 pub(super) struct View {
     /// Measured minus predicted, mm.
@@ -68,6 +79,7 @@ pub(super) fn view(
 /// Moves the offset of every coarsely known leg to where the facets of the commanded path fit best.
 pub(super) fn find_facets(model: &Model, values: &[f64], run: &mut RunInput, nominal_mm: f64) {
     let coincidence_mm = *run.alignment.coincidence_mm();
+    let stride = stride(Detail::Smooth, run.alignment.samples.len());
     for leg in run.alignment.legs() {
         let sigma_s = run.alignment.time_map.offset_sigmas_s[leg];
         if sigma_s < 0.1 * FACET_S {
@@ -78,6 +90,7 @@ pub(super) fn find_facets(model: &Model, values: &[f64], run: &mut RunInput, nom
             .alignment
             .samples
             .iter()
+            .step_by(stride)
             .filter(|s| s.leg == leg && matches!(s.place, Place::Arc(_)))
             .map(|sample| {
                 let view = view(model, values, run, sample, Detail::Smooth, nominal_mm);
