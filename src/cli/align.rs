@@ -1,7 +1,5 @@
 //! `ballbar align`: lays the logs of a test over its programs.
 
-use std::path::PathBuf;
-
 use clap::Args;
 
 use super::Common;
@@ -19,16 +17,13 @@ use crate::report;
     after_help = "Examples:\n  ballbar align test.toml\n  ballbar align test.toml --json -o aligned"
 )]
 pub(super) struct Arguments {
-    /// The test file
-    #[arg(value_name = "TEST")]
-    test: PathBuf,
     #[command(flatten)]
     selection: Selection,
 }
 
 impl Arguments {
     pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
-        let identified = self.selection.identify(&self.test, talk)?;
+        let identified = self.selection.identify(talk)?;
         let mut files = Files::default();
         for identification in &identified.repeats {
             for run in &identification.runs {

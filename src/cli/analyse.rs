@@ -1,6 +1,6 @@
 //! `ballbar analyse`: align, identify and report in one.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use clap::Args;
 
@@ -19,16 +19,13 @@ use crate::report;
   ballbar analyse test.toml -o results --loss tukey
   ballbar analyse test.toml --terms paper37 --minimum-norm --json")]
 pub(super) struct Arguments {
-    /// The test file
-    #[arg(value_name = "TEST")]
-    test: PathBuf,
     #[command(flatten)]
     selection: Selection,
 }
 
 impl Arguments {
     pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
-        let identified = self.selection.identify(&self.test, talk)?;
+        let identified = self.selection.identify(talk)?;
         let mut files = Files::default();
         let json = add_results(&mut files, &common.output, &identified)?;
         let files = files.write()?;

@@ -37,7 +37,7 @@ impl Arguments {
         let program = common.output.join(&written.name);
 
         talk.say("2. five measured logs, aligned and identified");
-        let identified = Selection::default().identify(&file, talk)?;
+        let identified = Selection::of_file(file).identify(talk)?;
         let mut files = Files::default();
         files.add(program, written.text.clone());
         let json = add_results(&mut files, &common.output, &identified)?;

@@ -1,6 +1,6 @@
 //! Options and steps that `align`, `identify`, `analyse` and `demo` share.
 
-use std::path::Path;
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
@@ -11,9 +11,12 @@ use crate::machine::Machine;
 use crate::plan::{Loss, Test};
 use crate::report::Analysis;
 
-/// What to estimate, where it differs from the test file.
-#[derive(Args, Default)]
+/// A test, and what to estimate where it differs from the test file.
+#[derive(Args)]
 pub(super) struct Selection {
+    /// The test file
+    #[arg(value_name = "TEST")]
+    test: PathBuf,
     /// Terms instead of the test file's: sets, names, -NAME; separated by commas
     #[arg(long, value_name = "TERMS", value_delimiter = ',', allow_hyphen_values = true)]
     terms: Vec<String>,
@@ -41,9 +44,14 @@ pub(super) struct Identified {
 }
 
 impl Selection {
-    /// Reads a test and identifies its runs.
-    pub(super) fn identify(&self, file: &Path, talk: &Talk) -> Result<Identified> {
-        let test = Test::read(file)?;
+    /// The test as its file says.
+    pub(super) fn of_file(test: PathBuf) -> Self {
+        Self { test, terms: Vec::new(), loss: None, minimum_norm: false }
+    }
+
+    /// Reads the test and identifies its runs.
+    pub(super) fn identify(&self, talk: &Talk) -> Result<Identified> {
+        let test = Test::read(&self.test)?;
         let machine = test.machine()?;
         let mut estimation = test.estimation().clone();
         if !self.terms.is_empty() {

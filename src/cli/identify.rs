@@ -1,7 +1,5 @@
 //! `ballbar identify`: coefficients of the runs of a test.
 
-use std::path::PathBuf;
-
 use clap::Args;
 
 use super::Common;
@@ -19,16 +17,13 @@ use crate::report;
   ballbar identify test.toml --terms observable35,-EAZ3 --loss huber
   ballbar identify test.toml --terms all --json")]
 pub(super) struct Arguments {
-    /// The test file
-    #[arg(value_name = "TEST")]
-    test: PathBuf,
     #[command(flatten)]
     selection: Selection,
 }
 
 impl Arguments {
     pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
-        let identified = self.selection.identify(&self.test, talk)?;
+        let identified = self.selection.identify(talk)?;
         let analysis = identified.analysis();
         let json = analysis.to_json()?;
         let mut files = Files::default();

@@ -42,8 +42,13 @@ const AFTER_HELP: &str = "Examples:
   ballbar analyse test.toml -o out             align the logs, identify, write the report
   ballbar identify test.toml --json | jq .     coefficients for another program
 
-Exit codes: 0 done, 1 a file or value cannot be used, 2 wrong command line, 3 a log does not belong to
-its program, 4 the data cannot determine what was asked for, 5 a result cannot be written";
+Exit codes:
+  0  done
+  1  a file or a value cannot be used
+  2  the command line is wrong
+  3  a log does not belong to its program
+  4  the data cannot determine what was asked for
+  5  a result cannot be written";
 
 /// Options that every subcommand takes.
 #[derive(Args)]
@@ -68,9 +73,7 @@ enum Command {
     Analyse(analyse::Arguments),
     Demo(demo::Arguments),
     Machines(machines::Arguments),
-    #[command(hide = true)]
     Completions(manual::Completions),
-    #[command(hide = true)]
     Man(manual::Man),
 }
 

@@ -24,7 +24,12 @@ pub fn sentence(direction: &NullDirection, parameters: &[Parameter]) -> String {
             (true, _) => " - ",
             (false, _) => " + ",
         };
-        let _ = write!(text, "{sign}{} {}", significant(factor.abs()), name(*column));
+        // A factor of one needs no word.
+        let size = match significant(factor.abs()).as_str() {
+            "1" => String::new(),
+            size => format!("{size} "),
+        };
+        let _ = write!(text, "{sign}{size}{}", name(*column));
     }
     text
 }
