@@ -179,8 +179,9 @@ fn section(
         // Its lower end, seen from above, gives the azimuth; that below 180 degrees is the name.
         let plane_deg = (-normal.x).atan2(normal.y).to_degrees();
         let azimuth_deg = plane_deg.rem_euclid(180.0);
+        // Adding zero takes the sign off a negative zero.
         let azimuth_deg =
-            if azimuth_deg > 179.9 { 0.0 } else { (azimuth_deg * 10.0).round() / 10.0 };
+            if azimuth_deg > 179.9 { 0.0 } else { (azimuth_deg * 10.0).round() / 10.0 + 0.0 };
         let (sin, cos) = azimuth_deg.to_radians().sin_cos();
         // Forward turns the azimuth's direction towards the pole.
         (Circle::Meridian { azimuth_deg }, Vector3::new(sin, -cos, 0.0).dot(&normal) > 0.0)

@@ -343,3 +343,76 @@ pub struct MeanResult {
     /// The least that the data of any repeat determine of it, 0 to 1.
     pub observed: f64,
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use serde_json::Value;
+
+    use crate::report::fixture;
+
+    fn names(value: &Value, all: &mut BTreeSet<String>) {
+        match value {
+            Value::Object(fields) => {
+                for (name, value) in fields {
+                    all.insert(name.clone());
+                    names(value, all);
+                }
+            }
+            Value::Array(values) => values.iter().for_each(|value| names(value, all)),
+            _ => {}
+        }
+    }
+
+    #[test]
+    fn every_field_is_documented() {
+        let schema = include_str!("../../docs/analysis-schema.md");
+        // Words between backticks, cut at dots and brackets.
+        let documented: BTreeSet<&str> =
+            schema.split('`').skip(1).step_by(2).flat_map(|code| code.split(['.', '['])).collect();
+        for set in ["hu40t-stops", "planar"] {
+            let text = fixture::identified(set).analysis.to_json().unwrap();
+            let mut all = BTreeSet::new();
+            names(&serde_json::from_str(&text).unwrap(), &mut all);
+            assert!(all.len() > 80, "{all:?}");
+            for name in all {
+                assert!(documented.contains(name.as_str()), "`{name}` is not in the schema");
+            }
+        }
+    }
+
+    #[test]
+    fn the_same_input_gives_the_same_bytes_and_full_precision() {
+        let first = fixture::identified("planar");
+        let second = fixture::work_out("planar");
+        let text = first.analysis.to_json().unwrap();
+        assert_eq!(text, second.analysis.to_json().unwrap());
+        let value: Value = serde_json::from_str(&text).unwrap();
+        let read = value["repeats"][0]["parameters"][0]["value"].as_f64().unwrap();
+        let exact = first.identifications[0].estimates[0].value;
+        assert_eq!(read.to_bits(), exact.to_bits());
+    }
+
+    #[test]
+    fn the_verdict_on_a_known_test() {
+        let fixture = fixture::identified("hu40t");
+        let analysis = &fixture.analysis;
+        assert_eq!(analysis.repeats.len(), 5);
+        for repeat in &analysis.repeats {
+            assert_eq!((repeat.rank, repeat.parameter_count), (38, 38));
+            assert!(repeat.residual_rms_um < 0.16, "{}", repeat.residual_rms_um);
+            let run = &repeat.runs[0];
+            assert_eq!(run.arcs.iter().filter(|arc| !arc.transit).count(), 12);
+            assert!(run.log.ends_with(&format!("{}.csv.gz", run.name)), "{}", run.log);
+            let all = repeat.samples;
+            assert_eq!(
+                all.used + all.rejected + all.not_used,
+                fixture.identifications[repeat.repeat as usize - 1].records[0].len()
+            );
+        }
+        assert_eq!(analysis.machine_errors.squareness.len(), 3);
+        assert_eq!(analysis.machine_errors.reversal.len(), 9);
+    }
+}

@@ -33,11 +33,11 @@ pub(super) fn of(analysis: &Analysis) -> Vec<String> {
 fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {
     const MOST: usize = 12;
     let names: Vec<&str> = names.collect();
-    let mut text = names[..names.len().min(MOST)].join(", ");
-    if names.len() > MOST {
-        text += &format!(" and {} more", names.len() - MOST);
+    let told = names[..names.len().min(MOST)].join(", ");
+    match names.len().saturating_sub(MOST) {
+        0 => told,
+        more => format!("{told} and {more} more"),
     }
-    text
 }
 
 fn deficient(analysis: &Analysis) -> Option<String> {

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::LazyLock;
 
 use super::Analysis;
 use crate::identify::{Identification, Options, RunInput, identify};
@@ -14,9 +15,21 @@ pub(super) struct Identified {
     pub(super) identifications: Vec<Identification>,
 }
 
+/// The results of a set of `tests/data`, worked out once for all tests.
+pub(super) fn identified(set: &str) -> &'static Identified {
+    static CONTINUOUS: LazyLock<Identified> = LazyLock::new(|| work_out("hu40t"));
+    static STOPS: LazyLock<Identified> = LazyLock::new(|| work_out("hu40t-stops"));
+    static PLANAR: LazyLock<Identified> = LazyLock::new(|| work_out("planar"));
+    match set {
+        "hu40t" => &CONTINUOUS,
+        "hu40t-stops" => &STOPS,
+        _ => &PLANAR,
+    }
+}
+
 /// Aligns and identifies a set of `tests/data`.
 #[allow(clippy::unwrap_used)]
-pub(super) fn identified(set: &str) -> Identified {
+pub(super) fn work_out(set: &str) -> Identified {
     // Relative, as `cargo test` runs in the package's folder: results must not depend on where that is.
     let test = Test::read(&PathBuf::from(format!("tests/data/{set}/test.toml"))).unwrap();
     let machine = test.machine().unwrap();

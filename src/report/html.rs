@@ -5,7 +5,7 @@ use askama::Template;
 use super::analysis::{Analysis, ArcResult, MeanResult, RepeatResult, RunResult};
 use super::cautions::DETERMINED;
 use super::figures::{self, Figure, RunPicture};
-use super::numbers::{count, fixed, many, signed};
+use super::numbers::{count, fixed, many, signed, typeset};
 use super::units::{engineering, row_decimals};
 use super::{terminal, traces};
 use crate::error::{Error, Kind, Result};
@@ -17,10 +17,10 @@ struct Page<'a> {
     analysis: &'a Analysis,
     verdict: Vec<String>,
     facts: Vec<(&'static str, String)>,
-    coefficients: Vec<CoefficientRow>,
+    coefficients: Vec<Vec<CoefficientRow>>,
     repeated: bool,
     squareness: Vec<[String; 5]>,
-    scale: Vec<[String; 3]>,
+    scale: Vec<[String; 4]>,
     reversal: Vec<[String; 5]>,
     runs: Vec<[String; 7]>,
     arcs: Vec<ArcRow>,
@@ -76,7 +76,7 @@ pub fn render(analysis: &Analysis, identifications: &[Identification]) -> Result
     let page = Page {
         verdict: terminal::verdict(analysis).iter().map(|line| fine(line)).collect(),
         facts: facts(analysis),
-        coefficients: analysis.over_repeats.iter().map(coefficient).collect(),
+        coefficients: coefficients(analysis),
         repeated: analysis.repeats.len() > 1,
         squareness: squareness(analysis),
         scale: scale(analysis),
@@ -109,19 +109,22 @@ fn fine(text: &str) -> String {
 fn facts(analysis: &Analysis) -> Vec<(&'static str, String)> {
     let bar = &analysis.ball_bar;
     let pivots = analysis.machine.pivots;
+    let mut rates: Vec<String> =
+        analysis.runs().map(|run| fixed(1.0 / run.sample_period_s, 0)).collect();
+    rates.dedup();
     let mut facts = vec![
         ("Machine", format!("{}, topology {}", analysis.machine.name, analysis.machine.topology)),
         ("Pivots", format!("X {}, Y {}, Z {}", pivots.x, pivots.y, pivots.z)),
         (
             "Ball-bar",
             format!(
-                "{} mm, range ± {} mm, resolution {} µm, noise {} µm, {} Hz, clock ± {} ppm",
+                "{} mm, range ± {} mm, resolution {} µm, noise {} µm, clock ± {} ppm, read at {} Hz",
                 bar.length_mm,
                 bar.range_mm,
                 fixed(bar.resolution_um, 2),
                 fixed(bar.noise_um, 3),
-                fixed(bar.sample_rate_hz, 0),
-                fixed(bar.clock_tolerance_ppm, 0)
+                fixed(bar.clock_tolerance_ppm, 0),
+                rates.join(" and ")
             ),
         ),
     ];
@@ -138,12 +141,14 @@ fn facts(analysis: &Analysis) -> Vec<(&'static str, String)> {
 }
 
 fn shown(value: Option<f64>, decimals: usize) -> String {
-    value.map_or("–".into(), |value| minus(fixed(value, decimals)))
+    value.map_or("–".into(), |value| typeset(&fixed(value, decimals)))
 }
 
-/// A minus as wide as a plus: columns of numbers stay straight.
-fn minus(text: String) -> String {
-    text.strip_prefix('-').map_or(text.clone(), |bare| format!("−{bare}"))
+/// Two columns of the page, the first with the odd row.
+fn coefficients(analysis: &Analysis) -> Vec<Vec<CoefficientRow>> {
+    let half = analysis.over_repeats.len().div_ceil(2).max(1);
+    let halves = analysis.over_repeats.chunks(half);
+    halves.map(|means| means.iter().map(coefficient).collect()).collect()
 }
 
 fn coefficient(mean: &MeanResult) -> CoefficientRow {
@@ -176,8 +181,8 @@ fn squareness(analysis: &Analysis) -> Vec<[String; 5]> {
     rows.map(|s| {
         [
             format!("{} ({}, {})", s.axes, s.name, s.symbol),
-            minus(signed(s.angle_minus_90_um_m, 2)),
-            minus(signed(s.angle_minus_90_arcsec, 2)),
+            typeset(&signed(s.angle_minus_90_um_m, 2)),
+            typeset(&signed(s.angle_minus_90_arcsec, 2)),
             spread(s.sigma_um_m, 2, s.observed),
             shown(s.deviation_um_m, 2),
         ]
@@ -185,11 +190,12 @@ fn squareness(analysis: &Analysis) -> Vec<[String; 5]> {
     .collect()
 }
 
-fn scale(analysis: &Analysis) -> Vec<[String; 3]> {
+fn scale(analysis: &Analysis) -> Vec<[String; 4]> {
     let rows = analysis.machine_errors.scale.iter();
     rows.map(|s| {
         [
-            format!("{} {}", s.name, minus(signed(s.value_um_m, 2))),
+            s.name.clone(),
+            typeset(&signed(s.value_um_m, 2)),
             spread(s.sigma_um_m, 2, s.observed),
             shown(s.deviation_um_m, 2),
         ]
@@ -202,8 +208,8 @@ fn reversal(analysis: &Analysis) -> Vec<[String; 5]> {
     let displacements = errors.reversal.iter().map(|r| {
         [
             format!("{}, {}", r.name, r.kind),
-            format!("{} µm", minus(signed(r.step_um, 3))),
-            format!("{} µm", minus(signed(r.coefficient_um, 3))),
+            format!("{} µm", typeset(&signed(r.step_um, 3))),
+            format!("{} µm", typeset(&signed(r.coefficient_um, 3))),
             spread(r.sigma_um, 3, r.observed),
             shown(r.deviation_um, 3),
         ]
@@ -211,8 +217,8 @@ fn reversal(analysis: &Analysis) -> Vec<[String; 5]> {
     let rotations = errors.angular_hysteresis.iter().map(|h| {
         [
             format!("{}, angular", h.name),
-            format!("{} µrad", minus(signed(h.step_urad, 2))),
-            format!("{} µrad", minus(signed(h.coefficient_urad, 2))),
+            format!("{} µrad", typeset(&signed(h.step_urad, 2))),
+            format!("{} µrad", typeset(&signed(h.coefficient_urad, 2))),
             spread(h.sigma_urad, 2, h.observed),
             shown(h.deviation_urad, 2),
         ]
@@ -228,7 +234,7 @@ fn run(run: &RunResult) -> [String; 7] {
         Some(sigma) => format!(
             "{} % {} ± {} %",
             fixed(knob.stated_percent, 0),
-            minus(signed(knob.excess_percent, 3)),
+            typeset(&signed(knob.excess_percent, 3)),
             fixed(sigma, 3)
         ),
         None => format!("{} %", fixed(knob.stated_percent, 0)),
@@ -236,7 +242,7 @@ fn run(run: &RunResult) -> [String; 7] {
     [
         run.name.clone(),
         fixed(run.engagement_log_s, 3),
-        format!("{}{rate_sigma}", minus(signed(run.clock_rate_ppm, 1))),
+        format!("{}{rate_sigma}", typeset(&signed(run.clock_rate_ppm, 1))),
         feed,
         run.worst_time_sigma_ms.map_or("unknown".into(), |s| fixed(s, 2)),
         format!(
@@ -249,14 +255,17 @@ fn run(run: &RunResult) -> [String; 7] {
     ]
 }
 
-/// Arcs of the same name and direction are one row, with a column a repeat.
+/// Arcs of the same name, direction and feed are one row, with a column a repeat.
 fn arcs(analysis: &Analysis) -> Vec<ArcRow> {
     let mut rows: Vec<(&ArcResult, Vec<Vec<&ArcResult>>)> = Vec::new();
     let repeats = analysis.repeats.len();
     for (index, repeat) in analysis.repeats.iter().enumerate() {
         for arc in repeat.runs.iter().flat_map(|run| &run.arcs) {
             let same = |row: &&ArcResult| {
-                row.name == arc.name && row.circle == arc.circle && row.direction == arc.direction
+                row.name == arc.name
+                    && row.circle == arc.circle
+                    && row.direction == arc.direction
+                    && (row.feed_mm_min - arc.feed_mm_min).abs() < 0.5
             };
             let place = rows.iter().position(|(first, _)| same(first)).unwrap_or_else(|| {
                 rows.push((arc, vec![Vec::new(); repeats]));
@@ -289,7 +298,7 @@ fn arcs(analysis: &Analysis) -> Vec<ArcRow> {
                         fixed(weighted(&|arc| arc.rms_um.powi(2), arcs).sqrt(), 3)
                     })
                     .collect(),
-                mean: minus(signed(weighted(&|arc| arc.mean_um, &all), 3)),
+                mean: typeset(&signed(weighted(&|arc| arc.mean_um, &all), 3)),
                 worst: fixed(all.iter().map(|arc| arc.worst_um).fold(0.0, f64::max), 2),
                 transit: first.transit,
             }
@@ -299,7 +308,7 @@ fn arcs(analysis: &Analysis) -> Vec<ArcRow> {
 
 fn noise(repeat: &RepeatResult) -> [String; 6] {
     let coefficients: Vec<String> =
-        repeat.noise.autoregressive.iter().map(|phi| minus(fixed(*phi, 3))).collect();
+        repeat.noise.autoregressive.iter().map(|phi| typeset(&fixed(*phi, 3))).collect();
     [
         repeat.repeat.to_string(),
         fixed(repeat.residual_rms_um, 3),
@@ -332,4 +341,61 @@ fn pauses(analysis: &Analysis) -> Vec<(String, String)> {
             )
         })
         .collect()
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::report::fixture;
+
+    /// Largest file that a mail still carries without complaint.
+    const MOST_BYTES: usize = 3_000_000;
+
+    /// Elements that HTML knows without an end.
+    const VOID: [&str; 2] = ["meta", "!DOCTYPE"];
+
+    /// Every tag that is opened is closed, in order.
+    fn check_balanced(html: &str) {
+        let mut open: Vec<&str> = Vec::new();
+        let mut rest = html;
+        while let Some(start) = rest.find('<') {
+            rest = &rest[start + 1..];
+            let tag = &rest[..rest.find('>').unwrap()];
+            assert!(!tag.contains('<'), "a stray `<` before `{tag}`");
+            let name = tag.trim_start_matches('/').split([' ', '/', '\n']).next().unwrap();
+            if tag.starts_with('/') {
+                assert_eq!(open.pop(), Some(name), "`</{name}>`");
+            } else if !tag.ends_with('/') && !VOID.contains(&name) {
+                open.push(name);
+            }
+            rest = &rest[tag.len()..];
+        }
+        assert!(open.is_empty(), "{open:?}");
+    }
+
+    #[test]
+    fn the_report_is_one_well_formed_file() {
+        for set in ["hu40t", "hu40t-stops", "planar"] {
+            let fixture = fixture::identified(set);
+            let html = render(&fixture.analysis, &fixture.identifications).unwrap();
+            check_balanced(&html);
+            for part in ["http", "<script", "src=", "href=", "NaN", "url("] {
+                assert!(!html.contains(part), "{set}: {part}");
+            }
+            assert!(html.len() < MOST_BYTES, "{set}: {} bytes", html.len());
+            let again = render(&fixture.analysis, &fixture.identifications).unwrap();
+            assert!(html == again, "{set}: the same input gives the same bytes");
+        }
+    }
+
+    #[test]
+    fn a_name_cannot_break_the_page() {
+        let fixture = fixture::identified("planar");
+        let mut analysis = fixture.analysis.clone();
+        analysis.test.name = "</h1><b>\"five\" & more".into();
+        let html = render(&analysis, &fixture.identifications).unwrap();
+        check_balanced(&html);
+        assert!(!html.contains("</h1><b>"));
+    }
 }

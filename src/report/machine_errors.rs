@@ -179,6 +179,8 @@ fn squareness(machine: &Machine, means: &[MeanResult]) -> Vec<Squareness> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::machine::{ChainErrors, Mounting};
+    use nalgebra::Vector3;
     use std::path::Path;
 
     fn mean(name: &str, unit: &'static str, mean: f64) -> MeanResult {
@@ -201,6 +203,54 @@ mod tests {
         assert_eq!(errors.reversal[0].kind, "backlash");
         assert!((errors.reversal[0].step_um + 6.0).abs() < 1e-12);
         assert_eq!(errors.reversal[1].kind, "lateral play");
+    }
+
+    /// Angle between the ways of the tool over the workpiece along two axes, minus 90 degrees, rad, by
+    /// the exact chain.
+    fn driven(machine: &Machine, name: &str, value: f64, axes: [Axis; 2]) -> f64 {
+        let coefficient = Coefficient::parse(name).unwrap();
+        let mounting = Mounting {
+            coincidence_mm: Vector3::zeros(),
+            tool_ball_mm: Vector3::new(0.0, 0.0, -200.0),
+        };
+        let at = |position_mm: Vector3<f64>| {
+            let mut errors = ChainErrors::zero();
+            let slide = &mut errors.slides[coefficient.slide.index()];
+            let along = position_mm[coefficient.slide.index()];
+            let error = if coefficient.power == Power::P1 { value * along } else { value };
+            let direction = coefficient.component.direction();
+            if coefficient.component.is_angular() {
+                slide.rotation_rad[direction] = error;
+            } else {
+                slide.translation_mm[direction] = error;
+            }
+            machine.ball_vector_mm(&mounting, &position_mm, &errors)
+        };
+        let [a, b] = axes.map(|axis| {
+            let end = Vector3::ith(axis.index(), 100.0);
+            at(end) - at(-end)
+        });
+        a.angle(&b) - std::f64::consts::FRAC_PI_2
+    }
+
+    #[test]
+    fn squareness_has_the_sign_that_the_chain_drives() {
+        for file in ["machines/hu40t.toml", "machines/vertical.toml"] {
+            let machine = Machine::read(Path::new(file)).unwrap();
+            let means =
+                [mean("EAZ0", "rad", 1e-5), mean("ECZ0", "rad", 2e-5), mean("EXZ1", "mm/mm", 3e-5)];
+            for squareness in MachineErrors::new(&machine, &means).squareness {
+                let axes = match squareness.axes {
+                    "Y to Z" => [Axis::Y, Axis::Z],
+                    "Y to X" => [Axis::Y, Axis::X],
+                    _ => [Axis::Z, Axis::X],
+                };
+                let value = means.iter().find(|m| m.name == squareness.name).unwrap().mean;
+                let angle_rad = driven(&machine, &squareness.name, value, axes);
+                let told_rad = squareness.angle_minus_90_um_m * 1e-6;
+                assert!((angle_rad - told_rad).abs() < 1e-8, "{file} {}", squareness.name);
+            }
+        }
     }
 
     #[test]

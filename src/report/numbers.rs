@@ -16,6 +16,11 @@ pub(super) fn signed(value: f64, decimals: usize) -> String {
     if text.starts_with('-') || zero { text } else { format!("+{text}") }
 }
 
+/// The same with a minus as wide as a plus, for the report: columns of numbers stay straight.
+pub(super) fn typeset(text: &str) -> String {
+    text.replace('-', "−")
+}
+
 /// How many decimals show `digits` significant digits of a number.
 pub(super) fn decimals(value: f64, digits: i32) -> usize {
     if value == 0.0 || !value.is_finite() {
@@ -34,7 +39,7 @@ pub(super) fn count(value: usize) -> String {
     let digits = value.to_string();
     let mut text = String::with_capacity(digits.len() + digits.len() / 3);
     for (k, digit) in digits.chars().enumerate() {
-        if k > 0 && (digits.len() - k) % 3 == 0 && digits.len() > 4 {
+        if k > 0 && (digits.len() - k).is_multiple_of(3) && digits.len() > 4 {
             text.push('\u{a0}');
         }
         text.push(digit);

@@ -124,7 +124,7 @@ impl Drawing {
     pub(super) fn finish(self, told: &str) -> String {
         let (width, height) = (fixed(self.width, 0), fixed(self.height, 0));
         format!(
-            r#"<svg viewBox="0 0 {width} {height}" role="img" aria-label="{}">{}</svg>"#,
+            r#"<svg style="width:{width}px" viewBox="0 0 {width} {height}" role="img" aria-label="{}">{}</svg>"#,
             escaped(told),
             self.body
         )

@@ -1,6 +1,6 @@
 //! A chart with two straight axes.
 
-use super::numbers::fixed;
+use super::numbers::{fixed, typeset};
 use super::svg::{Anchor, Drawing, text_width};
 use super::ticks::ticks;
 
@@ -62,7 +62,7 @@ impl Chart {
     fn with(width: f64, height: f64, x: Axis, y: Axis, numbers: Bottom) -> Self {
         let y_ticks = ticks(y.low, y.high, ((height - TOP - BOTTOM) / 28.0) as usize);
         let labels: Vec<String> =
-            y_ticks.values.iter().map(|v| fixed(*v, y_ticks.decimals)).collect();
+            y_ticks.values.iter().map(|v| typeset(&fixed(*v, y_ticks.decimals))).collect();
         let widest = labels.iter().map(|label| text_width(label)).fold(0.0, f64::max);
         let mut chart = Self {
             drawing: Drawing::new(width, height),
@@ -100,7 +100,7 @@ impl Chart {
         for value in &x_ticks.values {
             let x = self.x_at(*value);
             self.drawing.line((x, self.top), (x, self.bottom), "grid");
-            let label = fixed(*value, x_ticks.decimals);
+            let label = typeset(&fixed(*value, x_ticks.decimals));
             self.drawing.text((x, self.bottom + 14.0), Anchor::Middle, "tick", &label);
         }
         let label = self.x.label.clone();

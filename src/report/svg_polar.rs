@@ -1,14 +1,14 @@
 //! A polar chart: deviations from a circle, magnified along the radius.
 
-use super::numbers::{fixed, signed};
+use super::numbers::{fixed, signed, typeset};
 use super::svg::{Anchor, Drawing, text_width};
 use super::ticks::{round_down, round_up};
 
 /// Radius of the nominal circle, pixels.
-const NOMINAL: f64 = 118.0;
+const NOMINAL: f64 = 108.0;
 /// How far outwards and inwards a deviation may reach, as a share of the nominal radius.
-const OUTWARDS: f64 = 0.46;
-const INWARDS: f64 = 0.62;
+const OUTWARDS: f64 = 0.6;
+const INWARDS: f64 = 0.72;
 /// Rings are at least so far apart, pixels.
 const DIVISION: f64 = 10.0;
 
@@ -118,7 +118,7 @@ impl Polar {
         } else {
             usize::from(self.scale.division_um < 1.0)
         };
-        let text = |k: i32| signed(f64::from(k) * self.scale.division_um, decimals);
+        let text = |k: i32| typeset(&signed(f64::from(k) * self.scale.division_um, decimals));
         let widest = (-inside..=outside).map(|k| text_width(&text(k))).fold(0.0, f64::max);
         let every = ((widest + 4.0) / division).ceil().max(1.0) as i32;
         let labels: Vec<(f64, String)> = (-inside..=outside)

@@ -6,7 +6,7 @@ use crate::identify::{Identification, RunInput};
 use crate::report::numbers::fixed;
 use crate::report::svg::{Anchor, Drawing, text_width, thinned};
 use crate::report::svg_chart::{Axis, Chart};
-use crate::report::ticks::{enclosing, ticks};
+use crate::report::ticks::ticks;
 use crate::report::{Analysis, RunResult};
 
 /// Width of the strip, pixels, and the room beside it.
@@ -80,7 +80,8 @@ fn strip(run: &RunInput, result: &RunResult) -> String {
         }
         let arrow = if section.forward { "→" } else { "←" };
         let short = name.replace("Meridian ", "M ");
-        let texts = [format!("{short} {arrow}"), format!("{} {arrow}", &short[..1]), arrow.into()];
+        let last = name.rsplit(' ').next().unwrap_or("");
+        let texts = [format!("{short} {arrow}"), format!("{last} {arrow}"), arrow.into()];
         if let Some(text) = texts.iter().find(|text| text_width(text) < to - from - 4.0) {
             drawing.text((0.5 * (from + to), 45.0), Anchor::Middle, "arc-name", text);
         }
@@ -122,7 +123,7 @@ fn ends(run: &RunInput, analysis: &Analysis) -> Vec<Figure> {
     [engagement, release]
         .into_iter()
         .flatten()
-        .map(|mark| Figure { svg: end(run, mark, analysis), caption: String::new() })
+        .map(|mark| Figure { svg: end(run, mark, analysis), caption: String::new(), tall: false })
         .collect()
 }
 
@@ -162,23 +163,25 @@ fn end(run: &RunInput, mark: &Mark, analysis: &Analysis) -> String {
         .map(|(_, reading_um)| *reading_um)
         .collect();
     let offset_um = settled.iter().sum::<f64>() / settled.len().max(1) as f64;
-    let limit_um = 1.25 * bar.range_mm * 1e3;
+    let limit_um = 1.2 * bar.range_mm * 1e3;
     let curve: Vec<(f64, f64)> = (0..=400)
         .map(|k| from + (to - from) * f64::from(k) / 400.0)
         .map(|log_s| (log_s - mark.log_s, commanded(log_s) * 1e3 + offset_um))
         .filter(|(_, value_um)| value_um.abs() <= limit_um)
         .collect();
-    let values = curve.iter().chain(&near).map(|(_, value)| *value);
-    let (low, high) = enclosing(values.chain([0.0]), 6);
+    // The sphere is at zero: words stand on the other side of it than the ramp.
+    let outwards = curve.iter().map(|(_, value)| *value).sum::<f64>() >= 0.0;
+    let (low, high) =
+        if outwards { (-0.15 * limit_um, limit_um) } else { (-limit_um, 0.15 * limit_um) };
     let title = match mark.kind {
         MarkKind::Engagement => "engagement",
         _ => "release",
     };
     let mut chart = Chart::new(
         480.0,
-        200.0,
+        180.0,
         Axis::new(
-            &format!("time from the mark at {} s, s", fixed(mark.log_s, 4)),
+            &format!("time from the mark ({} s on the log), s", fixed(mark.log_s, 4)),
             (from - mark.log_s, to - mark.log_s),
         ),
         Axis::new("reading, µm", (low, high)),
@@ -202,8 +205,6 @@ fn end(run: &RunInput, mark: &Mark, analysis: &Analysis) -> String {
         },
         format!("± {} ms", fixed(mark.sigma_s * 1e3, 2)),
     ];
-    // The sphere is at zero: words stand on the other side of it than the ramp.
-    let outwards = curve.iter().map(|(_, value)| *value).sum::<f64>() >= 0.0;
     let corner = if outwards { (high, 16.0) } else { (low, -38.0) };
     for (k, line) in lines.iter().enumerate() {
         let by = (if inwards > 0.0 { -8.0 } else { 8.0 }, corner.1 + 14.0 * k as f64);

@@ -3,7 +3,7 @@
 use super::Figure;
 use crate::report::Analysis;
 use crate::report::cautions::DETERMINED;
-use crate::report::numbers::signed;
+use crate::report::numbers::{signed, typeset};
 use crate::report::svg::Anchor;
 use crate::report::svg_chart::{Axis, Chart};
 use crate::report::ticks::enclosing;
@@ -61,6 +61,7 @@ pub(in crate::report) fn hysteresis(analysis: &Analysis) -> Vec<Figure> {
                 ""
             }
         ),
+        tall: false,
     })
     .collect()
 }
@@ -87,7 +88,7 @@ fn chart(bars: &[Bar<'_>], label: &str, title: &str, decimals: usize) -> String 
         if half > 0.0 {
             chart.error_bar(middle, bar.value, half);
         }
-        let text = signed(bar.value, decimals);
+        let text = typeset(&signed(bar.value, decimals));
         if bar.value < 0.0 {
             chart.note((middle, bar.value - half), (0.0, 13.0), Anchor::Middle, &text);
         } else {

@@ -17,4 +17,6 @@ pub(super) struct Figure {
     pub(super) svg: String,
     /// What it shows; empty where the figures of a group share one sentence.
     pub(super) caption: String,
+    /// It stands beside two of the others.
+    pub(super) tall: bool,
 }

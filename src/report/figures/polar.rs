@@ -24,11 +24,20 @@ pub(in crate::report) fn polar(circles: &[OnCircle], length_mm: f64) -> (Vec<Fig
         values().fold(0.0, f64::max),
         length_mm,
     );
-    let figures = circles.iter().map(|circle| figure(circle, scale)).collect();
+    // A whole circle is as high as two halves.
+    let halves = circles.iter().filter(|circle| !circle.whole()).count();
+    let figures = circles
+        .iter()
+        .map(|circle| Figure {
+            svg: figure(circle, scale),
+            caption: String::new(),
+            tall: halves > 1 && circle.whole(),
+        })
+        .collect();
     (figures, scale.sentence())
 }
 
-fn figure(circle: &OnCircle, scale: Magnification) -> Figure {
+fn figure(circle: &OnCircle, scale: Magnification) -> String {
     let name = circle.circle.name();
     let spokes = match circle.circle {
         Circle::Equator => ["+X", "+Y", "−X", "−Y"],
@@ -46,8 +55,7 @@ fn figure(circle: &OnCircle, scale: Magnification) -> Figure {
     for trace in circle.traces.iter().filter(|trace| trace.repeat == 0) {
         draw(&mut polar, trace, true, POINTS, "predicted");
     }
-    let svg = polar.finish(&format!("{name}: measured and predicted deviation, polar"));
-    Figure { svg, caption: String::new() }
+    polar.finish(&format!("{name}: measured and predicted deviation, polar"))
 }
 
 fn draw(polar: &mut Polar, trace: &Trace, predicted: bool, most: usize, class: &str) {

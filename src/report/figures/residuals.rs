@@ -63,7 +63,7 @@ pub(in crate::report) fn against_time(identifications: &[Identification]) -> Vec
             }
             chart.title(&run.name);
             let svg = chart.finish(&format!("{}: residual against program time", run.name));
-            figures.push(Figure { svg, caption: String::new() });
+            figures.push(Figure { svg, caption: String::new(), tall: false });
         }
     }
     figures
@@ -78,11 +78,16 @@ pub(in crate::report) fn against_angle(
     circles
         .iter()
         .map(|circle| {
-            let degrees = |point: &(f64, f64)| (point.0.to_degrees(), point.1);
+            // Arcs of a whole circle begin anywhere and run on through a full turn.
+            let whole = circle.whole();
+            let degrees = |point: &(f64, f64)| {
+                let angle_deg = point.0.to_degrees();
+                (if whole { angle_deg.rem_euclid(360.0) } else { angle_deg }, point.1)
+            };
             let ends = circle.traces.iter().flat_map(|trace| {
                 let first = trace.angle_rad.iter().copied().fold(f64::INFINITY, f64::min);
                 let last = trace.angle_rad.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                [first.to_degrees(), last.to_degrees()]
+                if whole { [0.0, 360.0] } else { [first.to_degrees(), last.to_degrees()] }
             });
             let (low, high) =
                 ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
@@ -105,7 +110,7 @@ pub(in crate::report) fn against_angle(
             }
             chart.title(&name);
             let svg = chart.finish(&format!("{name}: residual against angle"));
-            Figure { svg, caption: String::new() }
+            Figure { svg, caption: String::new(), tall: false }
         })
         .collect()
 }
@@ -172,6 +177,7 @@ pub(in crate::report) fn histogram(identifications: &[Identification]) -> Option
             "Distribution of the residuals of all runs; line: normal distribution with {} µm rms.",
             fixed(sigma, 3)
         ),
+        tall: false,
     })
 }
 
@@ -226,5 +232,6 @@ pub(in crate::report) fn autocorrelation(
             "Autocorrelation of the residuals of the first repeat (bars) and of the noise model (line), autoregressive of order {}.",
             result.noise.autoregressive.len()
         ),
+        tall: false,
     })
 }
