@@ -1,15 +1,14 @@
 //! The joint fit of coefficients and time maps.
 
+use super::columns::Columns;
 use super::residuals::{self, Record};
-use super::{cautions, timing, words};
-use crate::align::{Alignment, Place, TimeMap};
+use super::result::Identification;
+use super::{timing, words};
+use crate::align::{Alignment, Place};
 use crate::error::{Error, Kind, Result};
-use crate::model::{Model, Parameter};
+use crate::model::Model;
 use crate::plan::Loss;
-use crate::solve::{
-    self, Autocovariances, BackwardFilter, Matrix, NoiseModel, NullDirection, Solution, Spectrum,
-    Triangle, Truncation, Tsqr,
-};
+use crate::solve::{self, Solution, Spectrum, Triangle, Truncation, Tsqr};
 
 /// A direction is observed when a combination of errors of this size each (rms over the measured
 /// sphere, um) would show by more than `SEEN_SIGMAS` standard deviations of the stated noise.
@@ -23,8 +22,6 @@ const MOST_STEPS: usize = 25;
 const NEGLIGIBLE: f64 = 1e-4;
 /// During the first steps the samples that take part are chosen anew.
 const CHOOSING_STEPS: usize = 3;
-/// How often the noise model is told what the fit has taken out of its own residuals.
-const NOISE_PASSES: usize = 3;
 
 /// How to identify.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,110 +47,6 @@ pub struct RunInput {
     pub mounting: usize,
     /// The aligned log.
     pub alignment: Alignment,
-}
-
-/// One estimated parameter.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Estimate {
-    /// Name and unit.
-    pub parameter: Parameter,
-    /// The value, in its unit.
-    pub value: f64,
-    /// Standard deviation, in its unit.
-    pub sigma: f64,
-    /// How much of it the data determine: 1 all, 0 nothing, between: only together with others.
-    pub observed: f64,
-}
-
-/// What came out.
-#[derive(Debug)]
-pub struct Identification {
-    /// The parameters of the model, in its order.
-    pub estimates: Vec<Estimate>,
-    /// Correlation of the estimates.
-    pub correlation: Matrix,
-    /// Rank over the coefficients, by the noise.
-    pub rank: usize,
-    /// Singular values of the scaled columns, descending, without those of the time map.
-    pub singular_values: Vec<f64>,
-    /// Singular values below this are not observed.
-    pub floor: f64,
-    /// Condition number of the scaled columns over the observed directions.
-    pub condition: f64,
-    /// What is confounded, by index of parameter.
-    pub null_directions: Vec<NullDirection>,
-    /// The noise.
-    pub noise: NoiseModel,
-    /// The runs, their time maps refined.
-    pub runs: Vec<RunInput>,
-    /// One record for each sample of each run, in order.
-    pub records: Vec<Vec<Record>>,
-    /// Root mean square of the residuals of the samples that were used, mm.
-    pub rms_mm: f64,
-    /// Samples that were used.
-    pub used: usize,
-    /// Gauss-Newton steps.
-    pub steps: usize,
-    /// What speaks against the result, in sentences.
-    pub cautions: Vec<String>,
-}
-
-impl Identification {
-    /// The estimated values in the order of the model.
-    pub fn values(&self) -> Vec<f64> {
-        self.estimates.iter().map(|estimate| estimate.value).collect()
-    }
-
-    /// The estimate of a name.
-    pub fn estimate(&self, name: &str) -> Option<&Estimate> {
-        self.estimates.iter().find(|estimate| estimate.parameter.name == name)
-    }
-}
-
-/// Where the parameters of the time maps stand among the columns.
-pub(super) struct Columns {
-    coefficients: usize,
-    /// For each run: its first column, and the legs that have one.
-    runs: Vec<(usize, Vec<usize>)>,
-    pub(super) total: usize,
-}
-
-impl Columns {
-    fn new(coefficients: usize, runs: &[RunInput]) -> Self {
-        let mut total = coefficients;
-        let runs = runs
-            .iter()
-            .map(|run| {
-                let legs = run.alignment.legs();
-                let first = total;
-                total += legs.len() + 1;
-                (first, legs)
-            })
-            .collect();
-        Self { coefficients, runs, total }
-    }
-
-    /// Column of the offset of a leg; `None` where the leg has no samples.
-    fn offset(&self, run: usize, leg: usize) -> Option<usize> {
-        let (first, legs) = &self.runs[run];
-        legs.iter().position(|l| *l == leg).map(|k| first + k)
-    }
-
-    /// Column of the clock rate.
-    fn rate(&self, run: usize) -> usize {
-        self.runs[run].0 + self.runs[run].1.len()
-    }
-
-    /// Takes the uncertainty of a time map from the covariance of all columns.
-    fn state_uncertainty(&self, run: usize, map: &mut TimeMap, covariance: &Matrix) {
-        let rate = self.rate(run);
-        map.rate_sigma = covariance[(rate, rate)].max(0.0).sqrt();
-        let (first, legs) = &self.runs[run];
-        for (column, &leg) in (*first..).zip(legs) {
-            map.offset_sigmas_s[leg] = covariance[(column, column)].max(0.0).sqrt();
-            map.offset_rate_covariances_s[leg] = covariance[(column, rate)];
-        }
-    }
 }
 
 /// Identifies the parameters of a model from runs of one machine in one state.
@@ -198,23 +91,23 @@ pub fn identify(model: &Model, runs: Vec<RunInput>, options: &Options) -> Result
 }
 
 /// The end of one round of Gauss-Newton.
-struct Outcome {
-    solution: Solution,
-    floor: f64,
+pub(super) struct Outcome {
+    pub(super) solution: Solution,
+    pub(super) floor: f64,
     steps: usize,
 }
 
-struct Fit<'a> {
-    model: &'a Model<'a>,
-    options: &'a Options,
-    columns: Columns,
-    runs: Vec<RunInput>,
-    values: Vec<f64>,
-    sigma_mm: f64,
+pub(super) struct Fit<'a> {
+    pub(super) model: &'a Model<'a>,
+    pub(super) options: &'a Options,
+    pub(super) columns: Columns,
+    pub(super) runs: Vec<RunInput>,
+    pub(super) values: Vec<f64>,
+    pub(super) sigma_mm: f64,
     /// Which samples the fit uses, one flag for each sample of each run.
-    taking_part: Vec<Vec<bool>>,
+    pub(super) taking_part: Vec<Vec<bool>>,
     /// Robust weights, one for each sample of each run; `None` for all 1.
-    weights: Option<Vec<Vec<f64>>>,
+    pub(super) weights: Option<Vec<Vec<f64>>>,
 }
 
 impl Fit<'_> {
@@ -343,7 +236,7 @@ impl Fit<'_> {
         rows.finish()
     }
 
-    fn fill_row(
+    pub(super) fn fill_row(
         &self,
         row: &mut [f64],
         index: usize,
@@ -369,7 +262,7 @@ impl Fit<'_> {
     }
 
     /// Calls back with each row about the time map alone: row, right-hand side, standard deviation.
-    fn each_time_row(
+    pub(super) fn each_time_row(
         &self,
         row: &mut [f64],
         index: usize,
@@ -449,7 +342,7 @@ impl Fit<'_> {
         self.sigma_mm = scale;
     }
 
-    fn records(&self) -> Vec<Vec<Record>> {
+    pub(super) fn records(&self) -> Vec<Vec<Record>> {
         let nominal_mm = self.options.nominal_mm;
         self.runs
             .iter()
@@ -460,108 +353,5 @@ impl Fit<'_> {
                 residuals::records(self.model, &self.values, run, used, weights, nominal_mm)
             })
             .collect()
-    }
-
-    /// Noise model, covariance, and everything that is told.
-    fn finish(mut self, outcome: &Outcome, steps: usize) -> Result<Identification> {
-        let records = self.records();
-        let used: Vec<f64> =
-            records.iter().flatten().filter(|r| r.used).map(|r| r.residual_mm).collect();
-        let rms_mm = residuals::rms(&used);
-        // The usual bound, 10 log10(N): the higher the sample rate, the longer the noise is in samples.
-        // And not so high that what the fit has taken out is half of what such an order sums up.
-        let samples = used.len().max(1) as f64;
-        let most = 0.25 * samples / outcome.solution.rank().max(1) as f64;
-        let order = most.min(10.0 * samples.log10()) as usize;
-        let mut covariances = Autocovariances::new(order);
-        for (run, records) in self.runs.iter().zip(&records) {
-            for segment in residuals::segments(&run.alignment, records) {
-                let values: Vec<f64> = records[segment].iter().map(|r| r.residual_mm).collect();
-                covariances.push_segment(&values);
-            }
-        }
-        let mut noise = NoiseModel::fit(&covariances, order)?;
-        // The order stays: on few samples a free one takes what is given back for a correlation without
-        // end, asks for more, and runs away.
-        let order = noise.phi().len();
-        for _ in 0..NOISE_PASSES {
-            let whole = covariances.with_fitted(outcome.solution.rank(), noise.long_run_variance());
-            noise = NoiseModel::fit(&whole, order)?;
-        }
-        let filtered = self.filtered(&records, &noise)?;
-        let covariance = outcome.solution.covariance_sandwich(&filtered);
-        let sigmas = solve::standard_deviations(&covariance);
-        for (index, run) in self.runs.iter_mut().enumerate() {
-            self.columns.state_uncertainty(index, &mut run.alignment.time_map, &covariance);
-            run.alignment.place_samples();
-        }
-        let count = self.columns.coefficients;
-        let spectrum = outcome.solution.spectrum();
-        let observed = outcome.solution.observed_fraction();
-        let estimates = self
-            .model
-            .parameters()
-            .iter()
-            .enumerate()
-            .map(|(k, parameter)| Estimate {
-                parameter: parameter.clone(),
-                value: self.values[k],
-                sigma: sigmas[k],
-                observed: observed[k],
-            })
-            .collect();
-        let lost = self.columns.total - outcome.solution.rank();
-        let correlation = solve::correlation(&covariance);
-        let cautions = cautions::cautions(&self.runs, &records, rms_mm, &noise, self.options.loss);
-        Ok(Identification {
-            estimates,
-            correlation: Matrix::from_fn(count, count, |i, k| correlation[(i, k)]),
-            rank: count - lost,
-            singular_values: spectrum.singular_values().to_vec(),
-            floor: outcome.floor,
-            condition: spectrum.condition_of(outcome.solution.rank()),
-            null_directions: spectrum.null_directions(outcome.solution.rank(), 0.02),
-            noise,
-            runs: self.runs,
-            records,
-            rms_mm,
-            used: used.len(),
-            steps,
-            cautions,
-        })
-    }
-
-    /// The rows `W J`, filtered by the noise, for the sandwich.
-    fn filtered(&self, records: &[Vec<Record>], noise: &NoiseModel) -> Result<Triangle> {
-        let mut rows = Tsqr::new(self.columns.total);
-        let mut row = vec![0.0; self.columns.total];
-        let mut filter = BackwardFilter::new(noise, self.columns.total);
-        for (index, run) in self.runs.iter().enumerate() {
-            for segment in residuals::segments(&run.alignment, &records[index]) {
-                filter.begin(segment.len());
-                for k in segment.rev() {
-                    let sample = &run.alignment.samples[k];
-                    let speed = timing::view(
-                        self.model,
-                        &self.values,
-                        run,
-                        sample,
-                        timing::Detail::Full,
-                        self.options.nominal_mm,
-                    )
-                    .speed_mm_s;
-                    self.fill_row(&mut row, index, sample, speed);
-                    let weight = records[index][k].weight / (self.sigma_mm * self.sigma_mm);
-                    for value in &mut row {
-                        *value *= weight;
-                    }
-                    rows.push(filter.push(&row), 0.0);
-                }
-            }
-            self.each_time_row(&mut row, index, run, |row, _, sigma| {
-                rows.push_weighted(row, 0.0, 1.0 / sigma);
-            });
-        }
-        rows.finish()
     }
 }

@@ -19,14 +19,18 @@
 
 mod campaign;
 mod cautions;
+mod columns;
 mod fit;
 mod repeats;
 mod residuals;
+mod result;
 mod timing;
+mod uncertainty;
 mod words;
 
 pub use campaign::{align_run, campaign};
-pub use fit::{Estimate, Identification, Options, RunInput, SEEN_UM, identify};
+pub use fit::{Options, RunInput, SEEN_UM, identify};
 pub use repeats::{Repeat, repeats};
 pub use residuals::{ArcResiduals, Record, arcs, rms_mm};
+pub use result::{Estimate, Identification};
 pub use words::sentence;

@@ -7,6 +7,7 @@ mod arc;
 pub mod log_format;
 mod path;
 mod raw;
+mod raw_arc;
 mod strategy;
 mod test_file;
 
