@@ -1,4 +1,53 @@
-//! Ball-bar testing of three-axis machine tools.
+//! Ball-bar testing of three-axis machine tools: programs, alignment of raw logs, identification.
+//!
+//! A telescoping ball-bar measures the distance between a ball on the table and a ball in the spindle
+//! while the machine drives arcs over a sphere. This crate plans the arcs, writes them as NC programs,
+//! lays the instrument's log over the program that ran although nobody synchronised the clocks, and
+//! identifies the 18 errors of the three slides, each a cubic with hysteresis, and the set-up errors.
+//!
+//! # The rooms
+//!
+//! The modules stand in the order of the flow; each uses those before it only.
+//!
+//! | room | holds |
+//! | --- | --- |
+//! | [`machine`] | the machine file, topology, exact chain, inverse kinematics |
+//! | [`model`] | coefficient names, error functions, terms, the projected Jacobian |
+//! | [`plan`] | arcs, strategies, mountings, the test file, the path |
+//! | [`nc`] | programs written and read back |
+//! | [`motion`] | a program becomes a timed trajectory |
+//! | [`log`] | readers of ball-bar logs |
+//! | [`simulate`] | a virtual machine and instrument |
+//! | [`align`] | engagement, time map, samples with poses |
+//! | [`solve`] | factorisation, rank, covariance: the linear algebra |
+//! | [`identify`] | the fit, what is observable, repeats |
+//! | [`report`] | terminal, HTML, JSON, CSV |
+//! | [`cli`] | the command line |
+//!
+//! # Units and signs
+//!
+//! Inside: mm, s, rad, mm/s; every name of a number ends with its unit. Files and screens say theirs in
+//! the name of the field. Axis positions are machine coordinates, in the sense in which the program
+//! moves the tool relative to the workpiece; a deviation is positive outward.
+//!
+//! # An identification
+//!
+//! ```
+//! use ballbar::identify::campaign;
+//! use ballbar::plan::Test;
+//!
+//! let test = Test::read("tests/data/hu40t/test.toml".as_ref())?;
+//! let machine = test.machine()?;
+//! let repeats = campaign(&test, &machine, &|| ())?;
+//! let backlash = repeats[0].estimate("EYYb").expect("it is among the terms");
+//! assert!((backlash.value - -3.114e-3).abs() < 4.0 * backlash.sigma, "mm");
+//! # Ok::<(), ballbar::Error>(())
+//! ```
+//!
+//! # What is not modelled
+//!
+//! Rotary axes, temperature, elasticity, servo lag, jerk, cyclic errors of screws: they are left in the
+//! residual, and no sigma counts them.
 
 pub mod align;
 pub mod cli;

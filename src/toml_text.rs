@@ -35,12 +35,9 @@ impl Text<'_> {
                 None => Place::file(self.file),
             };
             let what = error.message().trim().replace('\n', "; ");
-            let unit_hint = unknown_key_hint(&what);
-            let error = Error::input(what).at(place);
-            match unit_hint {
-                Some(hint) => error.hint(hint),
-                None => error,
-            }
+            let hint = unknown_key_hint(&what)
+                .unwrap_or_else(|| "docs/reference.md lists every key with its unit".to_owned());
+            Error::input(what).at(place).hint(hint)
         })
     }
 
