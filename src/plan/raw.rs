@@ -39,6 +39,10 @@ pub(super) struct RawBallBar {
     clock_ppm: Option<Spanned<f64>>,
 }
 
+/// Bounds of a sample rate, Hz: the times of a log with four decimals still tell 5000 a second apart.
+const SLOWEST_HZ: f64 = 0.01;
+const FASTEST_HZ: f64 = 5000.0;
+
 impl RawBallBar {
     pub(super) fn check(self, log: &RawLog, text: &Text<'_>) -> Result<BallBar> {
         // Defaults: a QC20-W reads a little over 1 mm either way in steps of 0.1 um.
@@ -59,7 +63,7 @@ impl RawBallBar {
             resolution_mm: or(self.resolution_um, "resolution_um", 0.1)? * 1e-3,
             noise_mm: or(self.noise_um, "noise_um", 0.15)? * 1e-3,
             sample_rate_hz: match &log.sample_rate_hz {
-                Some(rate) => text.positive(rate, "sample_rate_hz")?,
+                Some(rate) => text.within(rate, "sample_rate_hz", SLOWEST_HZ, FASTEST_HZ)?,
                 None => 10.0,
             },
             clock_tolerance: or(self.clock_ppm, "clock_ppm", 100.0)? * 1e-6,
@@ -160,7 +164,9 @@ impl RawLog {
         // A log with a time column keeps it; a rate alone means that there is none.
         let time = match (self.time_column, &self.sample_rate_hz) {
             (Some(name), _) => TimeColumn::Named { name, unit: time_unit },
-            (None, Some(rate)) => TimeColumn::Rate { hz: text.positive(rate, "sample_rate_hz")? },
+            (None, Some(rate)) => TimeColumn::Rate {
+                hz: text.within(rate, "sample_rate_hz", SLOWEST_HZ, FASTEST_HZ)?,
+            },
             (None, None) => defaults.time,
         };
         let kind = match self.reading {
@@ -188,7 +194,12 @@ pub(super) struct RawPlan {
 }
 
 impl RawPlan {
-    pub(super) fn check(self, bar: &BallBar, text: &Text<'_>) -> Result<PathPlan> {
+    pub(super) fn check(
+        self,
+        bar: &BallBar,
+        mountings: usize,
+        text: &Text<'_>,
+    ) -> Result<PathPlan> {
         let within =
             |value: &Option<Spanned<f64>>, key: &str, default: f64, low: f64, high: f64| {
                 value.as_ref().map_or(Ok(default), |value| text.within(value, key, low, high))
@@ -225,8 +236,15 @@ impl RawPlan {
             .hint("begin outside the range: the moment of engagement is what ties the log to the program"));
         }
         let program_number = self.program_number.as_ref().map_or(1001, |number| *number.get_ref());
-        if let Some(given) = self.program_number.filter(|n| !(1..=7999).contains(n.get_ref())) {
-            return Err(Error::input(format!("program number {program_number} cannot be used"))
+        // Every mounting has a program of its own.
+        let last = program_number.saturating_add(mountings as u32 - 1);
+        if let Some(given) = self.program_number.filter(|n| *n.get_ref() < 1 || last > 7999) {
+            let numbers = if last == program_number {
+                format!("program number {program_number}")
+            } else {
+                format!("program numbers {program_number} to {last}")
+            };
+            return Err(Error::input(format!("{numbers} cannot be used"))
                 .at(text.place(given.span()))
                 .hint("take one from 1 to 7999; 8000 and up belong to the machine tool builder"));
         }
@@ -274,8 +292,8 @@ impl RawEstimation {
 #[serde(deny_unknown_fields)]
 pub(super) struct RawRun {
     program: Spanned<String>,
-    log: String,
-    name: Option<String>,
+    log: Spanned<String>,
+    name: Option<Spanned<String>>,
     mounting: Option<Spanned<String>>,
     feed_override_percent: Option<Spanned<f64>>,
     repeat: Option<u32>,
@@ -284,7 +302,7 @@ pub(super) struct RawRun {
 impl RawRun {
     pub(super) fn check(
         self,
-        index: usize,
+        before: &[Run],
         mountings: &[NamedMounting],
         beside: &dyn Fn(&str) -> PathBuf,
         text: &Text<'_>,
@@ -312,14 +330,42 @@ impl RawRun {
                 .rsplit_once('.')
                 .map_or(name.clone(), |(stem, _)| stem.into())
         };
+        let span = self.name.as_ref().map_or_else(|| self.log.span(), Spanned::span);
+        let name = match self.name {
+            Some(name) => name.into_inner(),
+            None => stem(self.log.get_ref()),
+        };
+        check_run_name(&name, before).map_err(|error| error.at(text.place(span)))?;
         Ok(Run {
-            name: self.name.unwrap_or_else(|| stem(&self.log)),
+            name,
             program: beside(self.program.get_ref()),
-            log: beside(&self.log),
+            log: beside(self.log.get_ref()),
             mounting,
             feed_override: percent / 100.0,
-            repeat: self.repeat.unwrap_or(index as u32 + 1),
+            repeat: self.repeat.unwrap_or(before.len() as u32 + 1),
             line: text.place(self.program.span()).line,
         })
     }
+}
+
+/// Longest name of a run, bytes: `samples-NAME.csv` must be a name of a file everywhere.
+const LONGEST_NAME: usize = 200;
+
+/// A run's name becomes part of the name of its file of samples: it must be one that a file can have,
+/// and no other run may have it, or one file would replace the other.
+fn check_run_name(name: &str, before: &[Run]) -> Result<()> {
+    let in_file_names = |c: char| !c.is_control() && !matches!(c, '/' | '\\');
+    if name.trim().is_empty() || name.len() > LONGEST_NAME || !name.chars().all(in_file_names) {
+        return Err(Error::input("the name of a run must be one that a file can have").hint(format!(
+            "give it a `name` of 1 to {LONGEST_NAME} bytes without slashes and control characters: its samples go to `samples-NAME.csv`"
+        )));
+    }
+    // Some file systems do not tell upper from lower case.
+    if before.iter().any(|run| run.name.to_lowercase() == name.to_lowercase()) {
+        return Err(Error::input(format!("there is another run `{name}`")).hint(format!(
+            "a run is called as its log unless it has a name: give it one of its own, such as `name = \"{name}-{}\"`",
+            before.len() + 1
+        )));
+    }
+    Ok(())
 }

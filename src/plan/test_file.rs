@@ -150,10 +150,12 @@ impl Test {
         let ball_bar = raw.ball_bar.check(&raw.log, &text)?;
         let log_format = raw.log.check(ball_bar.length_mm, &text)?;
         let mountings = check_mountings(&raw.mounting, &text)?;
-        let plan = raw.plan.map(|plan| plan.check(&ball_bar, &text)).transpose()?;
+        let plan =
+            raw.plan.map(|plan| plan.check(&ball_bar, mountings.len(), &text)).transpose()?;
         let mut runs = Vec::new();
-        for (index, run) in raw.run.into_iter().enumerate() {
-            runs.push(run.check(index, &mountings, &beside, &text)?);
+        for run in raw.run {
+            let run = run.check(&runs, &mountings, &beside, &text)?;
+            runs.push(run);
         }
         Ok(Self {
             name: raw.name,

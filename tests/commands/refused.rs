@@ -68,6 +68,14 @@ fn wrong_keys_and_values_in_a_test_file() {
             format!("{plan}[[run]]\nprogram = \"p\"\nlog = \"l\"\nmounting = \"B\"\n"),
             "there is no mounting `B`",
         ),
+        (format!("{plan}[log]\nsample_rate_hz = 1e9\n"), "`sample_rate_hz` must lie between"),
+        (
+            format!(
+                "{plan}program_number = 7999\n[[mounting]]\nname = \"B\"\n\
+                 coincidence_mm = [0.0, 0.0, 0.0]\ntool_ball_mm = [0.0, 0.0, -200.0]\n"
+            ),
+            "program numbers 7999 to 8000 cannot be used",
+        ),
         (format!("{plan}[identify]\nterms = [\"EXX7\"]\n"), "unknown term `EXX7`"),
         (format!("{plan}[log]\nreading_unit = \"furlong\"\n"), "unknown unit `furlong`"),
     ] {
@@ -77,6 +85,28 @@ fn wrong_keys_and_values_in_a_test_file() {
         let message = outcome.stderr();
         assert_eq!(outcome.code(), 1, "{message}");
         assert!(outcome.files().is_empty());
+        assert!(message.contains(told), "{told}: {message}");
+        assert!(message.contains("test.toml:") && message.contains('^'), "{message}");
+    }
+}
+
+#[test]
+fn runs_whose_files_would_be_written_over_each_other_or_elsewhere() {
+    let run = |rest: &str| format!("[[run]]\nprogram = \"p.nc\"\n{rest}\n");
+    let two = |a: &str, b: &str| run(a) + &run(b);
+    let long = format!("log = \"a.csv\"\nname = \"{}\"", "y".repeat(300));
+    for (runs, told) in [
+        (two("log = \"mon/a.csv\"", "log = \"tue/a.csv\""), "there is another run `a`"),
+        (two("log = \"a.csv\"", "log = \"b.csv\"\nname = \"A\""), "there is another run `A`"),
+        (run("log = \"a.csv\"\nname = \"../../a\""), "must be one that a file can have"),
+        (run("log = \"a.csv\"\nname = \"\""), "must be one that a file can have"),
+        (run("log = \"a.csv\"\nname = \"a\\u0000\""), "must be one that a file can have"),
+        (run("log = \"\""), "must be one that a file can have"),
+        (run(&long), "must be one that a file can have"),
+    ] {
+        let work = Work::new();
+        work.machine("name", "name").test(&runs);
+        let message = analysed(&work, 1);
         assert!(message.contains(told), "{told}: {message}");
         assert!(message.contains("test.toml:") && message.contains('^'), "{message}");
     }
