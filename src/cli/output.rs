@@ -71,6 +71,20 @@ impl Files {
         self.ready.push((file, content.into()));
     }
 
+    /// Refuses to replace files that were read.
+    pub(super) fn keep(&self, read: &[PathBuf]) -> Result<()> {
+        let whole = |file: &Path| std::fs::canonicalize(file).ok();
+        let read: Vec<PathBuf> = read.iter().filter_map(|file| whole(file)).collect();
+        let replaced = self
+            .ready
+            .iter()
+            .find(|(file, _)| whole(file).is_some_and(|file| read.contains(&file)));
+        let Some((file, _)) = replaced else { return Ok(()) };
+        Err(Error::new(Kind::Output, "this would replace a file that was read")
+            .at(Place::file(file))
+            .hint("choose another directory with `-o DIR`"))
+    }
+
     /// Writes all, each to a temporary file beside its place and then under its name.
     pub(super) fn write(self) -> Result<Vec<PathBuf>> {
         let mut staged = Vec::new();

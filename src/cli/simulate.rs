@@ -97,7 +97,18 @@ impl Arguments {
             .map(|(log, source, repeat, _)| (log.as_str(), &sources[*source], *repeat))
             .collect();
         files.add(common.output.join("test.toml"), self.test_of(&test, &runs)?);
-        for file in files.write()? {
+        let mut inputs = vec![self.test.clone(), machine.file().to_path_buf()];
+        inputs.extend(self.scenario.clone());
+        for run in test.runs().unwrap_or_default() {
+            inputs.extend([run.program.clone(), run.log.clone()]);
+        }
+        files.keep(&inputs)?;
+        let files = files.write()?;
+        if common.json {
+            let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
+            return output::print(&format!("{:#}\n", serde_json::json!({ "files": names })));
+        }
+        for file in files {
             output::print(&format!("{}\n", file.display()))?;
         }
         talk.say(&format!(

@@ -65,6 +65,15 @@ fn a_simulated_test_is_ready_to_be_analysed() {
 }
 
 #[test]
+fn a_simulation_names_its_files_as_json() {
+    let work = Work::new();
+    work.machine("name", "name").test("[plan]\nstrategy = \"2d\"\nfeed_mm_min = 500.0\n");
+    let outcome = work.ballbar(&["simulate", "test.toml", "--json"]).done();
+    let told: serde_json::Value = serde_json::from_str(&outcome.stdout()).unwrap();
+    assert_eq!(told["files"].as_array().unwrap().len(), outcome.files().len());
+}
+
+#[test]
 fn samples_of_an_alignment_are_written_with_their_places() {
     let work = Work::new();
     let test = data("hu40t-stops").join("test.toml");

@@ -113,6 +113,21 @@ fn runs_whose_files_would_be_written_over_each_other_or_elsewhere() {
 }
 
 #[test]
+fn a_simulation_does_not_replace_what_it_was_made_from() {
+    let work = Work::new();
+    work.machine("name", "name").test("[plan]\nstrategy = \"2d\"\nfeed_mm_min = 500.0\n");
+    std::fs::create_dir(work.path("results")).unwrap();
+    std::fs::rename(work.path("test.toml"), work.path("results/test.toml")).unwrap();
+    std::fs::rename(work.path("machine.toml"), work.path("results/machine.toml")).unwrap();
+    let before = std::fs::read(work.path("results/test.toml")).unwrap();
+    let outcome = work.ballbar(&["simulate", "results/test.toml"]);
+    assert_eq!(outcome.code(), 5, "{}", outcome.stderr());
+    assert!(outcome.stderr().contains("would replace a file that was read"));
+    assert_eq!(outcome.files(), ["machine.toml", "test.toml"]);
+    assert_eq!(std::fs::read(work.path("results/test.toml")).unwrap(), before);
+}
+
+#[test]
 fn travel_exceeded() {
     let work = Work::new();
     work.machine("travel_mm = [-280.0, 280.0]", "travel_mm = [-150.0, 150.0]")
