@@ -6,7 +6,7 @@ use std::ops::Range;
 use crate::log::Log;
 
 /// More cells than this for the sum of all pauses are merged: the search is quadratic in it.
-const MOST_CELLS: f64 = 1500.0;
+const MOST_CELLS: f64 = 6000.0;
 
 /// Lengths of the pauses between stretches of known duration, s of log time.
 ///

@@ -73,6 +73,31 @@ fn a_simulation_names_its_files_as_json() {
     assert_eq!(told["files"].as_array().unwrap().len(), outcome.files().len());
 }
 
+/// The analysis of a simulated 3D6 with an M00 after every arc.
+fn with_stops(feed: &str, decimals: &str, scenario: &str, seed: &str) -> serde_json::Value {
+    let work = Work::new();
+    work.machine("decimals = 3", decimals)
+        .test(&format!(
+            "[plan]\nstrategy = \"3d6\"\nfeed_mm_min = {feed}\nstop_between_arcs = true\n"
+        ))
+        .write("scenario.toml", scenario);
+    work.ballbar(&["simulate", "test.toml", "--scenario", "scenario.toml", "--seed", seed]).done();
+    std::fs::rename(work.path("results"), work.path("virtual")).unwrap();
+    let outcome = work.ballbar(&["identify", "virtual/test.toml", "--json"]).done();
+    serde_json::from_str(&outcome.stdout()).unwrap()
+}
+
+fn residual_um(analysis: &serde_json::Value) -> f64 {
+    analysis["repeats"][0]["runs"][0]["residual_rms_um"].as_f64().unwrap()
+}
+
+#[test]
+fn an_operator_may_take_a_quarter_of_an_hour_at_every_stop() {
+    let scenario = "[pauses]\nbetween_s = [1000, 1000]\n";
+    let rms_um = residual_um(&with_stops("500.0", "decimals = 3", scenario, "1"));
+    assert!(rms_um < 0.2, "{rms_um}");
+}
+
 #[test]
 fn names_of_circles_have_no_minus_zero() {
     let work = Work::new();
