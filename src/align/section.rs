@@ -48,7 +48,10 @@ impl Circle {
             Self::Equator => "Equator".into(),
             Self::Meridian { azimuth_deg } => format!("Meridian {azimuth_deg:.0}\u{b0}"),
             Self::Other { normal, .. } => {
-                format!("Circle about ({:.2}, {:.2}, {:.2})", normal.x, normal.y, normal.z)
+                // Plus zero: -0 is 0.
+                let [x, y, z] =
+                    [normal.x, normal.y, normal.z].map(|n| (n * 1e2).round() / 1e2 + 0.0);
+                format!("Circle about ({x:.2}, {y:.2}, {z:.2})")
             }
         }
     }

@@ -78,33 +78,30 @@ pub(super) fn view(
 
 /// Moves the offset of every coarsely known leg to where the facets of the commanded path fit best.
 pub(super) fn find_facets(model: &Model, values: &[f64], run: &mut RunInput, nominal_mm: f64) {
-    let coincidence_mm = *run.alignment.coincidence_mm();
     let stride = stride(Detail::Smooth, run.alignment.samples.len());
     for leg in run.alignment.legs() {
         let sigma_s = run.alignment.time_map.offset_sigmas_s[leg];
         if sigma_s < 0.1 * FACET_S {
             continue;
         }
-        // The smooth part moves with the offset by its slope, the facets by being looked up again.
-        let smooth: Vec<(f64, f64, f64)> = run
+        let readings: Vec<(f64, f64)> = run
             .alignment
             .samples
             .iter()
             .step_by(stride)
             .filter(|s| s.leg == leg && matches!(s.place, Place::Arc(_)))
-            .map(|sample| {
-                let view = view(model, values, run, sample, Detail::Smooth, nominal_mm);
-                (sample.program_s, view.residual_mm, view.speed_mm_s)
-            })
+            .map(|sample| (sample.program_s, sample.deviation_mm))
             .collect();
         let trajectory = &run.alignment.trajectory;
+        // Looked up whole, with the senses: the step at a reversal tells the time better than any facet.
         let misfit = |shift_s: f64| {
-            smooth
+            readings
                 .iter()
-                .map(|&(program_s, residual_mm, speed_mm_s)| {
-                    let position = trajectory.at(program_s + shift_s).position_mm;
-                    let facet_mm = (position - coincidence_mm).norm() - nominal_mm;
-                    (residual_mm - speed_mm_s * shift_s - facet_mm).powi(2)
+                .map(|&(program_s, deviation_mm)| {
+                    let state = trajectory.at(program_s + shift_s);
+                    let pose = Pose { position_mm: state.position_mm, sense: state.sense };
+                    let length_mm = model.length_mm(values, &pose, run.mounting);
+                    (deviation_mm - (length_mm - nominal_mm)).powi(2)
                 })
                 .sum::<f64>()
         };
