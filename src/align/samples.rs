@@ -78,7 +78,9 @@ impl Alignment {
         let mut samples = Vec::with_capacity(self.readings.len());
         for &(log_s, line, deviation_mm) in &self.readings {
             let moment = time_map.at(log_s);
-            let state = trajectory.at(moment.program_s);
+            // In a pause the senses are still those of the motion before it.
+            let before_s = if moment.in_stop { 1e-6 } else { 0.0 };
+            let state = trajectory.at(moment.program_s - before_s);
             let place = if moment.in_stop {
                 Place::Stop
             } else if state.velocity_mm_s.norm() < 1e-9 {

@@ -16,6 +16,9 @@ pub struct TimeMap {
     pub offset_sigmas_s: Vec<f64>,
     /// Covariance of each offset with the rate, s.
     pub offset_rate_covariances_s: Vec<f64>,
+    /// Standard deviation that each offset has besides, because chords that look alike could be taken
+    /// for each other, s.
+    pub ambiguities_s: Vec<f64>,
     /// Share by which the real feed differs from the programmed one times the stated override.
     pub override_excess: f64,
     /// Standard deviation of that share; 0 where it was not estimated.
@@ -53,6 +56,7 @@ impl TimeMap {
             offsets_s: vec![0.0; legs],
             offset_sigmas_s: vec![f64::INFINITY; legs],
             offset_rate_covariances_s: vec![0.0; legs],
+            ambiguities_s: vec![0.0; legs],
             override_excess: 0.0,
             override_sigma: 0.0,
             stops_s,
@@ -122,7 +126,8 @@ impl TimeMap {
         }
         let time_s = log_s - self.pivot_s;
         let mixed = 2.0 * time_s * self.offset_rate_covariances_s[leg];
-        (offset * offset + (self.rate_sigma * time_s).powi(2) - mixed).max(0.0).sqrt()
+        let straight = offset * offset + (self.rate_sigma * time_s).powi(2) - mixed;
+        straight.max(0.0).sqrt().hypot(self.ambiguities_s[leg])
     }
 
     /// The moment of a log time.

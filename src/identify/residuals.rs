@@ -32,7 +32,7 @@ const REJECTED: f64 = 0.13;
 
 /// Whether the fit uses a sample: it is on an arc, and the sense of every slide is known there, that is,
 /// no slide turns round within three standard deviations of its time.
-fn takes_part(sample: &Sample, reversals_s: &[f64]) -> bool {
+fn takes_part(sample: &Sample, reversals_s: &[f64], guard_s: f64) -> bool {
     if !matches!(sample.place, Place::Arc(_)) || !sample.time_sigma_s.is_finite() {
         return false;
     }
@@ -40,17 +40,21 @@ fn takes_part(sample: &Sample, reversals_s: &[f64]) -> bool {
     let near = |index: usize| {
         reversals_s
             .get(index)
-            .is_some_and(|t| (t - sample.program_s).abs() < 3.0 * sample.time_sigma_s)
+            .is_some_and(|t| (t - sample.program_s).abs() < guard_s.max(3.0 * sample.time_sigma_s))
     };
     !(near(next) || next.checked_sub(1).is_some_and(near))
 }
 
-/// One flag for each sample of each run.
-pub(super) fn taking_part(runs: &[RunInput]) -> Vec<Vec<bool>> {
+/// One flag for each sample of each run; `guard_s` is kept from every reversal at the least.
+pub(super) fn taking_part(runs: &[RunInput], guard_s: f64) -> Vec<Vec<bool>> {
     runs.iter()
         .map(|run| {
             let reversals_s = run.alignment.trajectory.reversals_s();
-            run.alignment.samples.iter().map(|sample| takes_part(sample, &reversals_s)).collect()
+            run.alignment
+                .samples
+                .iter()
+                .map(|sample| takes_part(sample, &reversals_s, guard_s))
+                .collect()
         })
         .collect()
 }

@@ -9,9 +9,11 @@ use crate::model::Model;
 /// takes some 80 ms, and rounding gives every one its own height.
 pub(super) const FACET_S: f64 = 0.02;
 /// Farther than this from the smooth fit no facet is looked for, s.
-const FARTHEST_S: f64 = 0.5;
+const FARTHEST_S: f64 = 2.0;
 /// Step of the search, s.
-const SEARCH_STEP_S: f64 = 0.01;
+const SEARCH_STEP_S: f64 = 0.0025;
+/// Neighbouring readings are not independent: their misfits count half.
+const CORRELATED: f64 = 2.0;
 
 /// What of the path a residual is taken against.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,6 +22,17 @@ pub(super) enum Detail {
     Full,
     /// The sphere: chords and rounding count as noise, because a wrong time would misread them.
     Smooth,
+}
+
+impl Detail {
+    /// What is kept from every reversal at the least, s: while offsets are known to a second only, their
+    /// stated sigma must not let in a sample with the wrong sense.
+    pub(super) fn guard_s(self) -> f64 {
+        match self {
+            Self::Full => 0.0,
+            Self::Smooth => 1.0,
+        }
+    }
 }
 
 /// So many samples of a run bring its offsets within reach of the facets; more only take longer.
@@ -76,7 +89,17 @@ pub(super) fn view(
     }
 }
 
-/// Moves the offset of every coarsely known leg to where the facets of the commanded path fit best.
+/// Moves the offset of every coarsely known leg to where the facets of the commanded path and the steps
+/// at the reversals fit best, and states what else fits nearly as well.
+///
+/// For a shift `d` the slow part of the prediction is held, and what is told by steps and facets is
+/// looked up anew. With `S(d)` the sum of squares, `s²` its least mean and `sigma` what the smooth fit
+/// left of the offset,
+///
+/// `p(d) ~ exp(-S(d) / 2 s² - d² / 2 sigma²)`.
+///
+/// Chords that rounding does not tell apart leave several peaks a chord apart; what lies outside the
+/// highest one becomes the offset's ambiguity.
 pub(super) fn find_facets(model: &Model, values: &[f64], run: &mut RunInput, nominal_mm: f64) {
     let stride = stride(Detail::Smooth, run.alignment.samples.len());
     for leg in run.alignment.legs() {
@@ -84,34 +107,104 @@ pub(super) fn find_facets(model: &Model, values: &[f64], run: &mut RunInput, nom
         if sigma_s < 0.1 * FACET_S {
             continue;
         }
-        let readings: Vec<(f64, f64)> = run
+        let held = Held::of_leg(model, values, run, leg, stride, nominal_mm);
+        let reach = ((4.0 * sigma_s).clamp(0.1, FARTHEST_S) / SEARCH_STEP_S).ceil() as i32;
+        let misfits: Vec<(f64, f64)> = (-reach..=reach)
+            .map(|k| f64::from(k) * SEARCH_STEP_S)
+            .map(|shift_s| (shift_s, held.misfit(shift_s)))
+            .collect();
+        let peaks = peaks(&misfits);
+        let least = peaks.iter().map(|m| m.1).fold(f64::INFINITY, f64::min);
+        let scale = CORRELATED * least / held.readings.len().max(1) as f64;
+        if scale <= 0.0 {
+            continue;
+        }
+        let cost =
+            |(shift_s, misfit): &(f64, f64)| 0.5 * (misfit / scale + (shift_s / sigma_s).powi(2));
+        let Some(best) = peaks.iter().min_by(|a, b| cost(a).total_cmp(&cost(b))) else { continue };
+        let (mut mass, mut outside_s2) = (0.0, 0.0);
+        for other in &peaks {
+            let weight = (cost(best) - cost(other)).exp();
+            mass += weight;
+            outside_s2 += weight * (other.0 - best.0).powi(2);
+        }
+        let map = &mut run.alignment.time_map;
+        map.offsets_s[leg] -= best.0;
+        map.offset_sigmas_s[leg] = SEARCH_STEP_S;
+        map.ambiguities_s[leg] = (outside_s2 / mass).sqrt();
+    }
+}
+
+/// Lowest points of a sampled curve, between its samples, each by the parabola through three of them:
+/// two chords must not be told apart by how near a sample happens to lie.
+fn peaks(curve: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let lowest =
+        curve.windows(3).filter(|three| three[1].1 <= three[0].1 && three[1].1 <= three[2].1);
+    let mut peaks: Vec<(f64, f64)> = lowest
+        .map(|three| {
+            let (left, middle, right) = (three[0].1, three[1].1, three[2].1);
+            let bend = left - 2.0 * middle + right;
+            let share = if bend > 0.0 { 0.5 * (left - right) / bend } else { 0.0 };
+            let step_s = three[1].0 - three[0].0;
+            (three[1].0 + share * step_s, middle - 0.25 * (left - right) * share)
+        })
+        .collect();
+    if peaks.is_empty() {
+        peaks.extend(curve.iter().min_by(|a, b| a.1.total_cmp(&b.1)));
+    }
+    peaks
+}
+
+/// The readings of a leg, each with what a shift of the leg leaves of its prediction.
+struct Held<'a> {
+    model: &'a Model<'a>,
+    values: &'a [f64],
+    run: &'a RunInput,
+    nominal_mm: f64,
+    /// Sample, and its reading minus the slow part of the prediction, mm.
+    readings: Vec<(&'a Sample, f64)>,
+}
+
+impl<'a> Held<'a> {
+    fn of_leg(
+        model: &'a Model<'a>,
+        values: &'a [f64],
+        run: &'a RunInput,
+        leg: usize,
+        stride: usize,
+        nominal_mm: f64,
+    ) -> Self {
+        let readings = run
             .alignment
             .samples
             .iter()
             .step_by(stride)
             .filter(|s| s.leg == leg && matches!(s.place, Place::Arc(_)))
-            .map(|sample| (sample.program_s, sample.deviation_mm))
+            .map(|sample| {
+                let view = view(model, values, run, sample, Detail::Smooth, nominal_mm);
+                (sample, view.residual_mm)
+            })
             .collect();
-        let trajectory = &run.alignment.trajectory;
-        // Looked up whole, with the senses: the step at a reversal tells the time better than any facet.
-        let misfit = |shift_s: f64| {
-            readings
-                .iter()
-                .map(|&(program_s, deviation_mm)| {
-                    let state = trajectory.at(program_s + shift_s);
-                    let pose = Pose { position_mm: state.position_mm, sense: state.sense };
-                    let length_mm = model.length_mm(values, &pose, run.mounting);
-                    (deviation_mm - (length_mm - nominal_mm)).powi(2)
-                })
-                .sum::<f64>()
-        };
-        let reach = ((6.0 * sigma_s).clamp(0.1, FARTHEST_S) / SEARCH_STEP_S).ceil() as i32;
-        let best = (-reach..=reach)
-            .map(|k| f64::from(k) * SEARCH_STEP_S)
-            .map(|shift_s| (shift_s, misfit(shift_s)))
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .map_or(0.0, |(shift_s, _)| shift_s);
-        run.alignment.time_map.offsets_s[leg] -= best;
-        run.alignment.time_map.offset_sigmas_s[leg] = SEARCH_STEP_S;
+        Self { model, values, run, nominal_mm, readings }
+    }
+
+    /// Sum of squares with steps and facets a shift later, mm².
+    fn misfit(&self, shift_s: f64) -> f64 {
+        let coincidence_mm = self.run.alignment.coincidence_mm();
+        let length_mm = |pose: &Pose| self.model.length_mm(self.values, pose, self.run.mounting);
+        self.readings
+            .iter()
+            .map(|(sample, slow_mm)| {
+                let state = self.run.alignment.trajectory.at(sample.program_s + shift_s);
+                let facet_mm = (state.position_mm - coincidence_mm).norm() - self.nominal_mm;
+                let step_mm = if state.sense == sample.pose.sense {
+                    0.0
+                } else {
+                    let turned = Pose { sense: state.sense, ..sample.pose };
+                    length_mm(&turned) - length_mm(&sample.pose)
+                };
+                (slow_mm - facet_mm - step_mm).powi(2)
+            })
+            .sum()
     }
 }

@@ -68,9 +68,13 @@ pub fn write(test: &Test, machine: &Machine, path: &Path) -> Result<String> {
         ],
         blocks: writer.blocks,
     };
-    program.render().map_err(|error| {
+    let mut text = program.render().map_err(|error| {
         Error::new(Kind::Output, format!("the program template cannot be filled: {error}"))
-    })
+    })?;
+    if !text.ends_with('\n') {
+        text.push('\n');
+    }
+    Ok(text)
 }
 
 /// A number with a decimal point and no more digits than it needs: `500.`, `333.3`.

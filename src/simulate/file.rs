@@ -170,8 +170,8 @@ impl RawScenario {
         }
         if let Some(of) = &self.dropouts {
             scenario.dropouts = Some(Dropouts {
-                per_s: text.positive(&of.per_s, "per_s")?,
-                mean_s: text.positive(&of.mean_s, "mean_s")?,
+                per_s: text.within(&of.per_s, "per_s", 1e-6, 100.0)?,
+                mean_s: text.within(&of.mean_s, "mean_s", 1e-3, 1e4)?,
                 missing_rows: of.rows == RawRows::Missing,
             });
         }
