@@ -113,20 +113,6 @@ fn names_of_circles_have_no_minus_zero() {
 }
 
 #[test]
-fn names_of_circles_have_no_minus_zero() {
-    let work = Work::new();
-    work.machine("name", "name").test(
-        "[plan]\nfeed_mm_min = 1000.0\nchord_sag_um = 4.0\n[[plan.arc]]\nkind = \"meridian\"\n\
-         [[plan.arc]]\nkind = \"parallel\"\npolar_deg = 50.0\n\
-         [identify]\nterms = [\"EYYb\", \"EXt\", \"EYt\", \"EZt\"]\n",
-    );
-    work.ballbar(&["simulate", "test.toml"]).done();
-    let outcome = work.ballbar(&["identify", "results/test.toml", "--json"]).done();
-    assert!(outcome.stdout().contains("Meridian 0\u{b0}"), "{}", outcome.stdout());
-    assert!(!outcome.stdout().contains("-0\u{b0}") && !outcome.stdout().contains("-0.00,"));
-}
-
-#[test]
 fn samples_of_an_alignment_are_written_with_their_places() {
     let work = Work::new();
     let test = data("hu40t-stops").join("test.toml");
