@@ -12,6 +12,7 @@ mod identify;
 mod machines;
 mod manual;
 mod output;
+mod paper;
 mod program;
 mod simulate;
 
@@ -73,6 +74,7 @@ enum Command {
     Analyse(analyse::Arguments),
     Demo(demo::Arguments),
     Machines(machines::Arguments),
+    Paper(paper::Arguments),
     Completions(manual::Completions),
     Man(manual::Man),
 }
@@ -90,6 +92,7 @@ pub fn main() -> ExitCode {
         Command::Analyse(arguments) => arguments.run(common, &talk),
         Command::Demo(arguments) => arguments.run(common, &talk),
         Command::Machines(arguments) => arguments.run(common, &talk),
+        Command::Paper(arguments) => arguments.run(common, &talk),
         Command::Completions(arguments) => arguments.run(),
         Command::Man(arguments) => arguments.run(common, &talk),
     };

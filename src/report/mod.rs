@@ -16,6 +16,7 @@ mod gather;
 pub mod html;
 mod machine_errors;
 mod numbers;
+mod paper;
 mod samples;
 mod svg;
 mod svg_chart;
@@ -31,5 +32,6 @@ pub use analysis::{
     RepeatResult, RunResult, SampleCounts, TestFacts,
 };
 pub use machine_errors::{Hysteresis, MachineErrors, Reversal, Scale, Squareness};
+pub use paper::{nearest_text, paper_json, paper_page, paper_text};
 pub use samples::{write_aligned, write_samples};
 pub use terminal::{runs_table, summary};

@@ -1,0 +1,63 @@
+//! `ballbar paper`: the paper's tables beside what comes out here.
+
+use clap::Args;
+
+use super::Common;
+use super::output::{self, Files, Talk};
+use crate::error::Result;
+use crate::identify::{self, Comparison, Geometry};
+use crate::report;
+
+/// Compute the paper's Section 4 and Tables 2 to 4 again
+///
+/// Prints ranks and condition numbers of the paper beside those that come out here, with every pivot on
+/// its carriage and with the pivot of X on the base, and says where they differ and why.
+#[derive(Args)]
+#[command(after_help = "Examples:
+  ballbar paper
+  ballbar paper --search --page -o docs
+  ballbar paper --json | jq .strategies")]
+pub(super) struct Arguments {
+    /// Search the geometry whose condition numbers are nearest to the paper's
+    #[arg(long)]
+    search: bool,
+    /// Write the page paper.md, which tells the search's result too
+    #[arg(long)]
+    page: bool,
+}
+
+impl Arguments {
+    pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
+        let bar = talk.progress(Comparison::STEPS, "ranks");
+        let paper = Comparison::compute(Geometry::DESIGN, &|| bar.inc(1));
+        bar.finish_and_clear();
+        let paper = paper?;
+        let nearest = if self.search || self.page {
+            let bar = talk.progress(identify::search_steps(), "geometries");
+            let nearest = identify::search(&|| bar.inc(1));
+            bar.finish_and_clear();
+            Some(nearest?)
+        } else {
+            None
+        };
+        let mut files = Files::default();
+        if self.page {
+            let page = report::paper_page(&paper, nearest.as_ref());
+            files.add(common.output.join("paper.md"), page);
+        }
+        let files = files.write()?;
+        if common.json {
+            let json = report::paper_json(&paper, nearest.as_ref());
+            output::print(&format!("{json:#}\n"))?;
+        } else {
+            output::print(&report::paper_text(&paper))?;
+            if let Some(nearest) = &nearest {
+                output::print(&report::nearest_text(nearest))?;
+            }
+        }
+        for file in files {
+            talk.say(&format!("wrote {}", file.display()));
+        }
+        Ok(())
+    }
+}
