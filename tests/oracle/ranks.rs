@@ -4,6 +4,7 @@
 //! both directions; a slide that stands still during an arc has the sense 0 there. Rank is counted at
 //! 1e-10 on columns of unit length, and a column that vanishes to rounding stays zero.
 
+use ballbar::identify::{Pruning, removed_by, stages};
 use ballbar::machine::{Axis, Machine, Mounting, Pivot, Pose};
 use ballbar::model::{Coefficient, Model, SetUp, Situation, coefficients, terms};
 use ballbar::plan::{Arc, Strategy};
@@ -19,28 +20,10 @@ const BAR_MM: f64 = 150.0;
 /// Points of an arc, half a step from its ends: an even number, so none lies where a slide turns round.
 const POINTS: usize = 240;
 
-/// Where the paper's Sections 4 and 5 stop to count, and what they remove on the way there.
-const VOLUME: [(usize, &str); 8] = [
-    (96, ""),
-    (93, "EXw EYw EZw"),
-    (77, "EXX0 EYX0 EZX0 EAX0 EBX0 ECX0 EXY0 EYY0 EZY0 EAY0 EBY0 ECY0 EXZ0 EYZ0 EZZ0 EBZ0"),
-    (65, "EAY1 EAY2 EAY3 EAYb EBY1 EBY2 EBY3 EBYb ECY1 ECY2 ECY3 ECYb"),
-    (61, "EBZ1 EBZ2 EBZ3 EBZb"),
-    (60, "EXY1"),
-    (59, "EZY1"),
-    (56, "EYX1 EZX1 EYZ1"),
-];
-const BALL_BAR: [(usize, &str); 7] = [
-    (56, ""),
-    (48, "EAX1 EAX2 EAX3 EAXb EBX1 EBX2 ECX1 ECX2"),
-    (44, "EAZ1 EAZ2 EAZ3 EAZb"),
-    (43, "EXX2"),
-    (42, "EYX3"),
-    (41, "EYY2"),
-    (40, "EZZ2"),
-];
-const PLANES: [(usize, &str); 5] =
-    [(40, ""), (36, "ECZ1 ECZ2 ECZ3 ECZb"), (35, "EZY3"), (34, "EZX3"), (32, "ECX3 ECXb")];
+/// Numbers of columns where the paper's Sections 4 and 5 stop to count; the names are the library's.
+const VOLUME: [usize; 8] = [96, 93, 77, 65, 61, 60, 59, 56];
+const BALL_BAR: [usize; 7] = [56, 48, 44, 43, 42, 41, 40];
+const PLANES: [usize; 5] = [40, 36, 35, 34, 32];
 
 fn hu40t() -> Machine {
     Machine::read(&repository("machines/hu40t.toml")).unwrap()
@@ -167,12 +150,14 @@ impl Ranks {
     }
 
     /// Ranks along a list of stages; `removed` is what was removed before the first.
-    fn stages(&self, stages: &[(usize, &str)], removed: &str) -> Vec<usize> {
-        let mut gone: Vec<&str> = removed.split_whitespace().collect();
-        stages
+    fn stages(&self, list: Pruning, sizes: &[usize], removed: &[&'static str]) -> Vec<usize> {
+        let mut gone = removed.to_vec();
+        assert_eq!(stages(list).len(), sizes.len());
+        stages(list)
             .iter()
-            .map(|(size, names)| {
-                gone.extend(names.split_whitespace());
+            .zip(sizes)
+            .map(|(stage, size)| {
+                gone.extend(stage.removed());
                 let (columns, rank) = self.of(|name| !gone.contains(&bare(name)));
                 assert_eq!(columns, *size, "the stage has another number of columns");
                 rank
@@ -186,11 +171,6 @@ fn bare(name: &str) -> &str {
     name.split('@').next().unwrap()
 }
 
-/// Everything that a list of stages removes.
-fn removed(stages: &[(usize, &str)]) -> String {
-    stages.iter().map(|(_, names)| *names).collect::<Vec<_>>().join(" ")
-}
-
 fn volume_ranks(machine: &Machine) -> Vec<usize> {
     let mut random = Pcg64Mcg::seed_from_u64(8000);
     let mut rows = Rows::new(machine, &[mounting_a()]);
@@ -202,7 +182,7 @@ fn volume_ranks(machine: &Machine) -> Vec<usize> {
             rows.push(&situation, &along);
         }
     }
-    rows.finish().stages(&VOLUME, "")
+    rows.finish().stages(Pruning::Volume, &VOLUME, &[])
 }
 
 fn driven(machine: &Machine, strategy: Strategy) -> Ranks {
@@ -225,13 +205,13 @@ fn the_volume_needs_59_of_96_columns_and_56_without_the_three_gradients() {
 
 #[test]
 fn strategies_with_meridians_see_36_columns_from_the_carriage_and_40_from_the_base() {
-    let start = removed(&VOLUME);
+    let start = removed_by(&[Pruning::Volume]);
     for strategy in [Strategy::ThreeD5, Strategy::ThreeD6, Strategy::ThreeD10] {
         for (pivot, machine, expected) in [
             ("carriage", hu40t(), [38, 38, 36, 36, 36, 36, 36]),
             ("base on X", hu40t().with_pivot(Axis::X, Pivot::Base), [42, 42, 40, 40, 40, 40, 40]),
         ] {
-            let found = driven(&machine, strategy).stages(&BALL_BAR, &start);
+            let found = driven(&machine, strategy).stages(Pruning::Meridians, &BALL_BAR, &start);
             println!("{:<5} {pivot:<10} {found:?}", strategy.name());
             assert_eq!(found, expected, "{} {pivot}", strategy.name());
         }
@@ -240,14 +220,36 @@ fn strategies_with_meridians_see_36_columns_from_the_carriage_and_40_from_the_ba
 
 #[test]
 fn the_three_planes_see_30_columns_from_the_carriage_and_32_of_32_from_the_base() {
-    let start = removed(&VOLUME) + " " + &removed(&BALL_BAR);
+    let start = removed_by(&[Pruning::Volume, Pruning::Meridians]);
     for (pivot, machine, expected) in [
         ("carriage", hu40t(), [30, 30, 30, 30, 30]),
         ("base on X", hu40t().with_pivot(Axis::X, Pivot::Base), [34, 34, 34, 34, 32]),
     ] {
-        let found = driven(&machine, Strategy::TwoD).stages(&PLANES, &start);
+        let found = driven(&machine, Strategy::TwoD).stages(Pruning::Planes, &PLANES, &start);
         println!("2d    {pivot:<10} {found:?}");
         assert_eq!(found, expected, "{pivot}");
+    }
+}
+
+/// The paper prints 40 seven times, and 33, 33, 33, 33, 32.
+#[test]
+fn no_choice_of_pivots_has_all_ranks_of_the_paper() {
+    let start = removed_by(&[Pruning::Volume]);
+    let planes = removed_by(&[Pruning::Volume, Pruning::Meridians]);
+    for bits in 0..8 {
+        let machine = Axis::ALL.into_iter().fold(hu40t(), |machine, axis| {
+            let base = bits >> axis.index() & 1 == 1;
+            machine.with_pivot(axis, if base { Pivot::Base } else { Pivot::Carriage })
+        });
+        let three = driven(&machine, Strategy::ThreeD6);
+        let three = three.stages(Pruning::Meridians, &BALL_BAR, &start);
+        let two = driven(&machine, Strategy::TwoD);
+        let two = two.stages(Pruning::Planes, &PLANES, &planes);
+        println!("pivots on the base {bits:03b}: {three:?} {two:?}");
+        assert!(three != [40; 7] && two != [33, 33, 33, 33, 32], "{bits:03b}");
+        if bits == 0b101 {
+            assert_eq!(three, [40, 40, 40, 40, 40, 40, 39], "X and Z");
+        }
     }
 }
 
@@ -346,8 +348,7 @@ fn three_mountings_that_are_not_on_one_line_identify_all_53() {
             53,
         ),
     ];
-    let gone = removed(&VOLUME);
-    let gone: Vec<&str> = gone.split_whitespace().collect();
+    let gone = removed_by(&[Pruning::Volume]);
     let mut wrong = Vec::new();
     for (what, places, expected) in TABLE {
         let (of, rank) = identifiable(places, |name| !gone.contains(&name));
