@@ -292,9 +292,13 @@ fn verdict(paper: Option<usize>, base: usize, lost: &[&str], more: &[&str]) -> S
         None => "the paper has no figure".to_owned(),
         Some(rank) if rank == base => "base agrees".to_owned(),
         Some(rank) if rank < base => {
-            let number = base - rank;
-            let all = if more.len() == number { "" } else { "; the paper counts fewer of them" };
-            format!("base sees {number} more, with {}{all}", more.join(", "))
+            let (number, names) = (base - rank, more.join(", "));
+            match more.len().saturating_sub(number) {
+                0 => format!("base sees {number} more: {names}"),
+                counted => {
+                    format!("base sees {number} more: of {names} the paper counts {counted}")
+                }
+            }
         }
         Some(rank) => format!("base sees {} fewer", rank - base),
     };

@@ -18,6 +18,8 @@ const PAPER_VOLUME: [f64; 2] = [387.0, 108.41];
 const BETTER: f64 = 1.0 - 1e-6;
 /// Poses while searching.
 const COARSE_POSES: usize = 400;
+/// Small steps of a volume differ by less than so few poses scatter.
+const FINE_POSES: usize = 2000;
 /// Points of an arc while searching; the figures of the result come from the full number.
 const COARSE_POINTS: usize = 60;
 
@@ -111,7 +113,47 @@ fn search_volume(base: &Machine, finished: &(dyn Fn() + Sync)) -> Result<FoundVo
     let best = all.iter().skip(1).fold(all[0], |best, found| {
         if found.worst_factor < best.worst_factor * BETTER { *found } else { best }
     });
+    let mut best = volume_of(base, best.range_mm, best.tool_length_mm, FINE_POSES)?;
+    for step_mm in [50.0, 25.0, 10.0] {
+        for _ in 0..8 {
+            let near: Vec<Result<FoundVolume>> = neighbouring_volumes(&best, step_mm)
+                .into_par_iter()
+                .map(|(range_mm, tool)| volume_of(base, range_mm, tool, FINE_POSES))
+                .collect();
+            let before = best.worst_factor;
+            for candidate in near {
+                let candidate = candidate?;
+                if candidate.worst_factor < best.worst_factor * BETTER {
+                    best = candidate;
+                }
+            }
+            if best.worst_factor >= before {
+                break;
+            }
+        }
+    }
     volume_of(base, best.range_mm, best.tool_length_mm, POSES)
+}
+
+/// Moved along one axis, wider or narrower along one axis, or with another tool.
+fn neighbouring_volumes(at: &FoundVolume, step_mm: f64) -> Vec<([[f64; 2]; 3], f64)> {
+    let mut near = Vec::new();
+    for step_mm in [-step_mm, step_mm] {
+        for axis in 0..3 {
+            for shares in [[1.0, 1.0], [-1.0, 1.0]] {
+                let mut range_mm = at.range_mm;
+                for (limit, share) in range_mm[axis].iter_mut().zip(shares) {
+                    *limit += share * step_mm;
+                }
+                near.push((range_mm, at.tool_length_mm));
+            }
+        }
+        near.push((at.range_mm, at.tool_length_mm + step_mm));
+    }
+    near.retain(|(range_mm, tool)| {
+        *tool >= 50.0 && range_mm.iter().all(|[low, high]| high - low >= 150.0)
+    });
+    near
 }
 
 fn of(machine: &Machine, geometry: Geometry, points: usize) -> Result<Found> {

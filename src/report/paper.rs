@@ -328,6 +328,8 @@ degrees, and working volumes, with the pivot of X on the base. Nearest come:
 ";
 
 const SEARCHED: &str = "
-That is a fit of as many free lengths as there are figures, and other geometries come about as near. It shows that
-the paper's figures are of the right size for this model; it does not show where its balls were.
+That is a fit of as many free lengths as there are figures, and other geometries come about as near. The figures of
+the bar are reached within some per cent, so they are of the right size for this model; where its balls were, that
+does not show. The figures of the volume are missed by more, and need a small volume: over the whole travel both are
+far below the paper's.
 ";

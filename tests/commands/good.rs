@@ -166,3 +166,15 @@ fn completions_and_man_pages_are_made() {
     let pages = work.ballbar(&["man"]).done();
     assert!(pages.files().contains(&"ballbar-analyse.1".to_owned()), "{:?}", pages.files());
 }
+
+#[test]
+fn the_tables_of_the_paper_are_computed_again() {
+    let work = Work::new();
+    let outcome = work.ballbar(&["paper", "--json"]).done();
+    let paper: serde_json::Value = serde_json::from_str(&outcome.stdout()).unwrap();
+    let last = paper["strategies"][2]["stages"].as_array().unwrap().last().unwrap().clone();
+    assert_eq!(last["columns"], 40);
+    assert_eq!((&last["carriage"]["rank"], &last["base"]["rank"]), (&36.into(), &40.into()));
+    assert_eq!(paper["mountings"][8]["of_53"], 53);
+    assert!(!work.path("results").exists());
+}
