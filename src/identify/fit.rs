@@ -4,7 +4,7 @@ use super::columns::Columns;
 use super::residuals::{self, Record};
 use super::result::Identification;
 use super::{timing, words};
-use crate::align::{Alignment, Place};
+use crate::align::{Alignment, Place, TimeMap};
 use crate::error::{Error, Kind, Result};
 use crate::model::Model;
 use crate::plan::Loss;
@@ -23,6 +23,10 @@ const NEGLIGIBLE: f64 = 1e-4;
 /// A fit that after the last step still changes the predicted readings by less than this share of the
 /// noise is a result all the same: its parameters are right within a part of their sigma.
 const NEARLY: f64 = 0.01;
+/// A doubtful leg is tried at so many other places.
+const MOST_PLACES: usize = 4;
+/// And stays there if the residual falls below this share of what it was.
+const BETTER: f64 = 0.999;
 /// During the first steps the samples that take part are chosen anew.
 const CHOOSING_STEPS: usize = 3;
 
@@ -72,13 +76,17 @@ pub fn identify(model: &Model, runs: Vec<RunInput>, options: &Options) -> Result
     };
     fit.check_enough()?;
     let mut steps = 0;
-    if fit.coarse_legs() {
+    let coarse = fit.coarse_legs();
+    if coarse {
         // With offsets known to a second, the facets of the chorded path only mislead: fit the smooth
         // part first, then find the facets, then fit all.
         steps += fit.iterate(timing::Detail::Smooth)?.steps;
         fit.find_facets();
     }
     let mut outcome = fit.iterate(timing::Detail::Full)?;
+    if coarse {
+        outcome = fit.try_elsewhere(outcome)?;
+    }
     if options.loss != Loss::Off {
         for _ in 0..10 {
             fit.reweigh();
@@ -144,6 +152,37 @@ impl Fit<'_> {
             timing::find_facets(self.model, &self.values, run, self.options.nominal_mm);
             run.alignment.place_samples();
         }
+    }
+
+    /// Fits again with every doubtful leg where else it could lie, and keeps what fits better.
+    fn try_elsewhere(&mut self, mut best: Outcome) -> Result<Outcome> {
+        for index in 0..self.runs.len() {
+            let nominal_mm = self.options.nominal_mm;
+            let doubts = timing::doubts(self.model, &self.values, &self.runs[index], nominal_mm);
+            for doubt in doubts {
+                for shift_s in doubt.shifts_s.into_iter().take(MOST_PLACES) {
+                    let kept = (self.values.clone(), self.sigma_mm, self.taking_part.clone());
+                    let maps: Vec<TimeMap> =
+                        self.runs.iter().map(|run| run.alignment.time_map.clone()).collect();
+                    let alignment = &mut self.runs[index].alignment;
+                    alignment.time_map.offsets_s[doubt.leg] -= shift_s;
+                    alignment.place_samples();
+                    match self.iterate(timing::Detail::Full) {
+                        Ok(outcome) if self.sigma_mm < BETTER * kept.1 => {
+                            best = outcome;
+                            break;
+                        }
+                        _ => {}
+                    }
+                    (self.values, self.sigma_mm, self.taking_part) = kept;
+                    for (run, map) in self.runs.iter_mut().zip(maps) {
+                        run.alignment.time_map = map;
+                        run.alignment.place_samples();
+                    }
+                }
+            }
+        }
+        Ok(best)
     }
 
     /// Gauss-Newton until the change is negligible.

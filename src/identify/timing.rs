@@ -1,7 +1,7 @@
 //! How a sample's time enters the fit.
 
 use super::fit::RunInput;
-use crate::align::{Place, Sample};
+use crate::align::{MarkKind, Place, Sample};
 use crate::machine::Pose;
 use crate::model::Model;
 
@@ -133,6 +133,66 @@ pub(super) fn find_facets(model: &Model, values: &[f64], run: &mut RunInput, nom
         map.offset_sigmas_s[leg] = SEARCH_STEP_S;
         map.ambiguities_s[leg] = (outside_s2 / mass).sqrt();
     }
+}
+
+/// How far a settled leg is looked up again, s: some chords either way.
+const AGAIN_S: f64 = 0.2;
+/// A leg that leaves this many times the mean square of the others did not find its facets.
+const SUSPICIOUS: f64 = 1.5;
+
+/// A leg that may lie some chords off, and where else it could lie.
+pub(super) struct Doubt {
+    pub(super) leg: usize,
+    /// Shifts of the leg, s, the best first.
+    pub(super) shifts_s: Vec<f64>,
+}
+
+/// Legs between pauses that fit worse than the others do, now that the coefficients are known.
+///
+/// The coefficients have adapted to a wrong leg as well as they could, so a better place need not look
+/// better before they are fitted again: the caller tries each.
+pub(super) fn doubts(model: &Model, values: &[f64], run: &RunInput, nominal_mm: f64) -> Vec<Doubt> {
+    let stride = stride(Detail::Smooth, run.alignment.samples.len());
+    let misfit = |leg: usize, shift_s: f64| {
+        let of_leg = run.alignment.samples.iter().step_by(stride);
+        let of_leg = of_leg.filter(|s| s.leg == leg && matches!(s.place, Place::Arc(_)));
+        let (mut sum, mut count) = (0.0, 0.0_f64);
+        for sample in of_leg {
+            let state = run.alignment.trajectory.at(sample.program_s + shift_s);
+            let pose = Pose { position_mm: state.position_mm, sense: state.sense };
+            let length_mm = model.length_mm(values, &pose, run.mounting);
+            sum += (sample.deviation_mm - (length_mm - nominal_mm)).powi(2);
+            count += 1.0;
+        }
+        sum / count.max(1.0)
+    };
+    let map = &run.alignment.time_map;
+    let legs = run.alignment.legs();
+    let found: Vec<f64> = legs.iter().map(|&leg| misfit(leg, 0.0)).collect();
+    let mut sorted = found.clone();
+    sorted.sort_by(f64::total_cmp);
+    let usual = sorted[sorted.len() / 2];
+    let coarse = |leg: usize| {
+        let marks = &mut run.alignment.marks.iter();
+        marks.any(|m| m.kind == MarkKind::Standstill && map.leg_of(m.program_s) == leg)
+    };
+    let suspicious = legs
+        .iter()
+        .zip(&found)
+        .filter(|(leg, found)| coarse(**leg) && **found > SUSPICIOUS * usual);
+    suspicious
+        .map(|(&leg, _)| {
+            let reach = (AGAIN_S / (2.0 * SEARCH_STEP_S)) as i32;
+            let curve: Vec<(f64, f64)> = (-reach..=reach)
+                .map(|k| f64::from(k) * 2.0 * SEARCH_STEP_S)
+                .map(|shift_s| (shift_s, misfit(leg, shift_s)))
+                .collect();
+            let mut elsewhere = peaks(&curve);
+            elsewhere.retain(|peak| peak.0.abs() > FACET_S);
+            elsewhere.sort_by(|a, b| a.1.total_cmp(&b.1));
+            Doubt { leg, shifts_s: elsewhere.iter().map(|peak| peak.0).collect() }
+        })
+        .collect()
 }
 
 /// Lowest points of a sampled curve, between its samples, each by the parabola through three of them:

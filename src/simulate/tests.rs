@@ -315,7 +315,7 @@ fn a_scenario_file_is_checked() {
         ("seed = 1\nnoise_um = 1.0\n", 2, "unknown field `noise_um`"),
         ("[pauses]\nbetween_s = [9, 5]\n", 2, "shorter one first"),
         ("[pauses]\n", 1, "either"),
-        ("[dropouts]\nper_s = 0\nmean_s = 1\n", 2, "positive"),
+        ("[dropouts]\nper_s = 0\nmean_s = 1\n", 2, "must lie between"),
     ] {
         let error = parse(text).unwrap_err();
         assert_eq!(error.place.as_ref().unwrap().line, line, "{error}");
