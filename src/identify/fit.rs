@@ -85,7 +85,7 @@ pub fn identify(model: &Model, runs: Vec<RunInput>, options: &Options) -> Result
     }
     let mut outcome = fit.iterate(timing::Detail::Full)?;
     if coarse {
-        outcome = fit.try_elsewhere(outcome)?;
+        outcome = fit.try_elsewhere(outcome);
     }
     if options.loss != Loss::Off {
         for _ in 0..10 {
@@ -155,7 +155,7 @@ impl Fit<'_> {
     }
 
     /// Fits again with every doubtful leg where else it could lie, and keeps what fits better.
-    fn try_elsewhere(&mut self, mut best: Outcome) -> Result<Outcome> {
+    fn try_elsewhere(&mut self, mut best: Outcome) -> Outcome {
         for index in 0..self.runs.len() {
             let nominal_mm = self.options.nominal_mm;
             let doubts = timing::doubts(self.model, &self.values, &self.runs[index], nominal_mm);
@@ -182,7 +182,7 @@ impl Fit<'_> {
                 }
             }
         }
-        Ok(best)
+        best
     }
 
     /// Gauss-Newton until the change is negligible.
