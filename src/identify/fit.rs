@@ -369,7 +369,10 @@ impl Fit<'_> {
                 sentences.concat()
             ),
         )
-        .hint("leave one of each group out (`-NAME` in `terms`), or ask for the minimum norm (`minimum_norm = true`)"))
+        .hint(format!(
+            "leave one of each group out, such as by adding `{}` to `terms`, or ask for the minimum norm (`minimum_norm = true`)",
+            words::leave_out(&directions, parameters).join("`, `")
+        )))
     }
 
     /// Robust weights from the present residuals.

@@ -34,6 +34,17 @@ pub fn sentence(direction: &NullDirection, parameters: &[Parameter]) -> String {
     text
 }
 
+/// One parameter of each confounded group, as `terms` leaves it out: `-EBXb`.
+pub(super) fn leave_out(directions: &[NullDirection], parameters: &[Parameter]) -> Vec<String> {
+    let mut left_out: Vec<String> = Vec::new();
+    for direction in directions {
+        let names = direction.parts.iter().filter_map(|(column, _)| parameters.get(*column));
+        let mut names = names.map(|parameter| format!("-{}", parameter.name));
+        left_out.extend(names.find(|name| !left_out.contains(name)));
+    }
+    left_out
+}
+
 /// Four significant digits, without an exponent where it can be read without.
 fn significant(value: f64) -> String {
     if (1e-3..1e5).contains(&value) {
