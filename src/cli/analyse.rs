@@ -29,7 +29,11 @@ impl Arguments {
         let mut files = Files::default();
         let json = add_results(&mut files, &common.output, &identified)?;
         let files = files.write()?;
-        output::print(&if common.json { json } else { report::summary(&identified.analysis()) })?;
+        if common.json {
+            output::print(&json)?;
+        } else {
+            output::print_summary(&report::summary(&identified.analysis()))?;
+        }
         for file in files {
             talk.say(&format!("wrote {}", file.display()));
         }

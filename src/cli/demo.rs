@@ -42,7 +42,11 @@ impl Arguments {
         files.add(program, written.text.clone());
         let json = add_results(&mut files, &common.output, &identified)?;
         let files = files.write()?;
-        output::print(&if common.json { json } else { report::summary(&identified.analysis()) })?;
+        if common.json {
+            output::print(&json)?;
+        } else {
+            output::print_summary(&report::summary(&identified.analysis()))?;
+        }
 
         talk.say("3. written, the report first");
         let (reports, others): (Vec<_>, Vec<_>) =

@@ -29,7 +29,11 @@ impl Arguments {
         let mut files = Files::default();
         files.add(common.output.join("analysis.json"), json.clone());
         let files = files.write()?;
-        output::print(&if common.json { json } else { report::summary(&analysis) })?;
+        if common.json {
+            output::print(&json)?;
+        } else {
+            output::print_summary(&report::summary(&analysis))?;
+        }
         for file in files {
             talk.say(&format!("wrote {}", file.display()));
         }

@@ -49,6 +49,27 @@ impl Talk {
     }
 }
 
+/// A summary on stdout: on a terminal its headings, the lines that are not indented, stand out.
+pub(super) fn print_summary(text: &str) -> Result<()> {
+    if !std::io::stdout().is_terminal() || std::env::var_os("NO_COLOR").is_some() {
+        return print(text);
+    }
+    let heading = |line: &str| !line.is_empty() && !line.starts_with(' ');
+    let mut coloured = String::with_capacity(text.len() + 512);
+    for line in text.lines() {
+        let (on, off) = match line {
+            "Cautions" => ("\x1b[1;33m", "\x1b[0m"),
+            line if heading(line) => ("\x1b[1;36m", "\x1b[0m"),
+            _ => ("", ""),
+        };
+        coloured.push_str(on);
+        coloured.push_str(line);
+        coloured.push_str(off);
+        coloured.push('\n');
+    }
+    print(&coloured)
+}
+
 /// Data on stdout. A reader that went away, such as `head`, is no error.
 pub(super) fn print(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
