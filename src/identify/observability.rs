@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 use crate::machine::{Axis, Machine, Mounting, Pose};
 use crate::model::{Coefficient, Model, Parameter, SetUp, Situation, terms};
 use crate::plan::Arc;
-use crate::solve::{NullDirection, Spectrum, Triangle, Tsqr};
+use crate::solve::{Choice, NullDirection, Spectrum, Triangle, Truncation, Tsqr};
 
 /// Singular values of unit columns below this part of the largest are rounding.
 pub const TOLERANCE: f64 = 1e-10;
@@ -212,11 +212,10 @@ impl Sight {
         Ok(self.spectrum(columns)?.1.rank(TOLERANCE))
     }
 
-    /// Of these columns, those that depend on the others, each with the sentence that says how.
-    ///
-    /// Set-up errors and translations come first and angular errors last, those of X after the others: so
-    /// a rotation is told by the translations that it acts as, and never the other way round.
-    pub fn dependent(&self, columns: &[usize]) -> Result<Vec<(usize, String)>> {
+    /// An order in which set-up errors and translations come first and angular errors last, those of X
+    /// after the others: so a rotation is told by the translations that it acts as, and never the other
+    /// way round.
+    pub fn translations_first(&self, columns: &[usize]) -> Vec<usize> {
         let rank = |k: &usize| match Coefficient::parse(&self.parameters[*k].name) {
             None => 0,
             Some(c) if c.component.is_angular() => 4 - c.slide.index(),
@@ -224,47 +223,52 @@ impl Sight {
         };
         let mut order = columns.to_vec();
         order.sort_by_key(rank);
-        let (mut independent, mut found) = (Vec::new(), Vec::new());
-        for column in order {
-            let mut with = independent.clone();
-            with.push(column);
-            if self.rank(&with)? == with.len() {
-                independent = with;
-            } else {
-                found.push((column, self.told_shortly(column, &with)?));
-            }
-        }
-        Ok(found)
+        order
     }
 
-    /// By the translations of the same slide and power if they suffice, removed before or not; otherwise
-    /// by the columns that are there.
-    fn told_shortly(&self, column: usize, with: &[usize]) -> Result<String> {
-        let Some(of) = Coefficient::parse(&self.parameters[column].name) else {
-            return self.told(with);
-        };
-        let mut few: Vec<usize> = (0..self.parameters.len())
-            .filter(|&k| {
-                Coefficient::parse(&self.parameters[k].name).is_some_and(|c| {
-                    (c.slide, c.power) == (of.slide, of.power) && !c.component.is_angular()
-                })
-            })
-            .collect();
-        few.push(column);
-        let short = of.component.is_angular() && self.rank(&few)? < few.len();
-        self.told(if short { &few } else { with })
+    pub(super) fn choose(&self, order: &[usize]) -> Result<Choice> {
+        self.triangle.choose(order, &self.references, Truncation::Relative(TOLERANCE))
+    }
+
+    /// How the last of these columns follows from the others, which are independent: by the translations
+    /// of the same slide and power if they suffice, removed before or not; otherwise by the columns that
+    /// are there.
+    pub(super) fn explained(&self, column: usize, with: &[usize]) -> Result<NullDirection> {
+        let of = Coefficient::parse(&self.parameters[column].name);
+        if let Some(of) = of.filter(|of| of.component.is_angular()) {
+            let same = |c: Coefficient| {
+                (c.slide, c.power) == (of.slide, of.power) && !c.component.is_angular()
+            };
+            let mut few: Vec<usize> = (0..self.parameters.len())
+                .filter(|&k| Coefficient::parse(&self.parameters[k].name).is_some_and(same))
+                .collect();
+            few.push(column);
+            if self.rank(&few)? < few.len() {
+                return self.combination(&few);
+            }
+        }
+        self.combination(with)
     }
 
     /// How the last of these columns follows from the others, which are independent.
-    fn told(&self, columns: &[usize]) -> Result<String> {
+    fn combination(&self, columns: &[usize]) -> Result<NullDirection> {
         let (_, spectrum) = self.spectrum(columns)?;
         let last = columns.len() - 1;
-        let Some(mut direction) = spectrum.null_directions(last, 1e-6).pop() else {
-            return Ok(String::new());
-        };
+        let alone = NullDirection { parts: vec![(last, 1.0)], effect: 0.0 };
+        let mut direction = spectrum.null_directions(last, 1e-6).pop().unwrap_or(alone);
         // One order whatever the rounding: the dependent column, then the others as they stand.
         direction.parts.sort_by_key(|&(k, _)| (k != last, k));
-        let parts = direction.parts.into_iter().map(|(k, share)| (columns[k], share)).collect();
-        Ok(sentence(&NullDirection { parts, ..direction }, &self.parameters))
+        let unit = direction.parts.first().map_or(1.0, |part| part.1);
+        for (k, share) in &mut direction.parts {
+            *k = columns[*k];
+            *share /= unit;
+        }
+        direction.effect *= unit.abs().recip();
+        Ok(direction)
+    }
+
+    /// A direction in words.
+    pub fn told(&self, direction: &NullDirection) -> String {
+        sentence(direction, &self.parameters)
     }
 }

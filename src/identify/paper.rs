@@ -245,9 +245,9 @@ fn strategy(
         let names = |columns: &mut dyn Iterator<Item = usize>| -> Vec<&str> {
             columns.map(|k| base.name(k)).collect()
         };
-        let hidden: Vec<usize> = base.dependent(columns)?.into_iter().map(|(k, _)| k).collect();
-        let lost = carriage.dependent(columns)?;
-        let lost = names(&mut lost.iter().map(|(k, _)| *k).filter(|k| !hidden.contains(k)));
+        let hidden = base.choose(&base.translations_first(columns))?.rejected;
+        let lost = carriage.choose(&carriage.translations_first(columns))?.rejected;
+        let lost = names(&mut lost.iter().copied().filter(|k| !hidden.contains(k)));
         let more = names(&mut extra.iter().copied().filter(|k| columns.contains(k)));
         Ok(Row {
             stage: *stage,
@@ -270,7 +270,8 @@ fn strategy(
     };
     let rows: Vec<Result<Row>> = lists.par_iter().zip(&chosen).map(row).collect();
     let told = |sight: &Sight| -> Result<Vec<String>> {
-        Ok(sight.dependent(&last)?.into_iter().map(|(_, sentence)| sentence).collect())
+        let selection = sight.select(&sight.translations_first(&last))?;
+        Ok(selection.removed.into_iter().map(|removal| removal.reason).collect())
     };
     Ok(StrategyRows {
         strategy,

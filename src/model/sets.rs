@@ -5,7 +5,7 @@ use super::{Ball, Coefficient, SetUp, Term};
 use crate::error::{Error, Result};
 
 /// The sets that have a name, with what they are.
-pub const NAMED_SETS: [(&str, &str); 4] = [
+pub const NAMED_SETS: [(&str, &str); 5] = [
     (
         "paper37",
         "the 37 coefficients and 3 set-up errors of the paper's Table 5; full rank only with the pivot of X on the base",
@@ -18,6 +18,10 @@ pub const NAMED_SETS: [(&str, &str); 4] = [
         "planar27",
         "what the three coordinate planes see in one mounting: 27 coefficients and 3 set-up errors",
     ),
+    (
+        "volume53",
+        "what the error of the whole volume needs and three mountings see: 53 coefficients and 3 set-up errors a mounting",
+    ),
     ("all", "all 90 coefficients and 6 set-up errors, by minimum norm"),
 ];
 
@@ -26,6 +30,10 @@ const SHARED: &str = "EXX1 EXX3 EXXb EYX2 EYXb EZX2 EZX3 EZXb \
     EXY2 EXY3 EXYb EYY1 EYY3 EYYb EZY2 EZY3 EZYb \
     EXZ1 EXZ2 EXZ3 EXZb EYZ2 EYZ3 EYZb EZZ1 EZZ3 EZZb \
     EAZ0 ECZ0 ECZ1 ECZ2 ECZ3 ECZb";
+
+/// Of what the volume needs, what 3D6 cannot see in one mounting, whatever the pivots.
+const NEEDS_MOUNTINGS: &str = "EXX2 EAX1 EAX2 EAX3 EAXb EBX1 EBX2 EBX3 EBXb ECX1 ECX2 ECX3 ECXb \
+    EYX3 EYY2 EAZ1 EAZ2 EAZ3 EAZb EZZ2";
 
 /// Of those, what needs a meridian between the coordinate planes.
 const NEEDS_MERIDIANS: &str = "EZX3 EZY3 ECZ1 ECZ2 ECZ3 ECZb";
@@ -43,6 +51,7 @@ pub fn coefficients(set: &str) -> Option<Vec<Coefficient>> {
             let meridians = parse_all(NEEDS_MERIDIANS);
             parse_all(SHARED).into_iter().filter(|c| !meridians.contains(c)).collect()
         }
+        "volume53" => parse_all(&[SHARED, NEEDS_MOUNTINGS].join(" ")),
         "all" => Coefficient::all().collect(),
         _ => return None,
     };
@@ -117,7 +126,9 @@ mod tests {
 
     #[test]
     fn the_sets_have_the_sizes_in_their_names() {
-        for (set, size) in [("paper37", 37), ("observable35", 35), ("planar27", 27), ("all", 90)] {
+        for (set, size) in
+            [("paper37", 37), ("observable35", 35), ("planar27", 27), ("volume53", 53), ("all", 90)]
+        {
             assert_eq!(coefficients(set).unwrap().len(), size);
         }
         let one = terms(&["observable35".into()], &["A".into()]).unwrap();

@@ -15,6 +15,7 @@
 //! | --- | --- | --- |
 //! | [`Tsqr`] | rows, weighed by the caller | [`Triangle`]: `R^T R = J^T J`, in constant memory |
 //! | [`Spectrum`] | the triangle | singular values of the *scaled* columns, rank, null space |
+//! | [`Triangle::choose`] | the triangle, an order of the columns | [`Choice`]: which columns to keep |
 //! | [`solve()`] | triangle, [`Truncation`] | [`Solution`]: `x`, residual, covariance, observed fractions |
 //! | [`Loss`], [`robust_scale`] | residuals | weights of the next step |
 //! | [`NoiseModel`], [`BackwardFilter`] | residuals of contiguous segments | rows `L^T J`, for [`Solution::covariance_sandwich`] |
@@ -70,6 +71,7 @@
 //! are refused where they come in.
 
 mod backward_filter;
+mod choice;
 mod fold;
 mod least_squares;
 mod matrix;
@@ -82,6 +84,7 @@ mod triangle;
 mod tsqr;
 
 pub use backward_filter::BackwardFilter;
+pub use choice::Choice;
 pub use least_squares::{Solution, Truncation, correlation, solve, standard_deviations};
 pub use matrix::Matrix;
 pub use noise::{Autocovariances, NoiseModel};
