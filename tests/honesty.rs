@@ -184,3 +184,48 @@ fn the_stated_sigma_of_the_time_map_is_honest_over_pauses() {
     println!("all parameters {all:.3}");
     assert!((0.85..1.2).contains(&all), "{all}");
 }
+
+/// Scatter of the estimates over simulated tests beside the sigma that was foretold before any was run.
+#[test]
+fn the_foretold_sigma_is_the_scatter_of_simulated_tests() {
+    let bench = Bench::new("hu40t");
+    let scenario = drawn(1);
+    let mut bar = bench.bar().clone();
+    bar.noise_mm = scenario.noise.sigma_mm();
+    bar.correlated_mm = scenario.noise.correlated_mm;
+    bar.correlation_s = scenario.noise.correlation_s;
+    let input =
+        identify::rehearse(&bench.program, &bench.machine, &bar, 0, &bench.test.mountings()[0])
+            .unwrap();
+    let terms = model::terms(&["observable35".to_owned()], &["A".to_owned()]).unwrap();
+    let model = Model::new(&bench.machine, vec![bench.mounting], terms);
+    let options = Options {
+        nominal_mm: bar.length_mm,
+        noise_mm: bar.noise_mm,
+        clock_tolerance: bar.clock_tolerance,
+        loss: bench.test.estimation().loss,
+        minimum_norm: false,
+    };
+    let noise = identify::stated_noise(&bar);
+    let foretold = identify::predict(&model, vec![input], &options, &noise).unwrap();
+    let count = std::env::var("BALLBAR_SIMULATIONS").map_or(300, |n| n.parse().unwrap());
+    let estimates: Vec<Vec<f64>> = (1..=count)
+        .into_par_iter()
+        .map(|seed| {
+            let (_, found) = bench.repeat(&scenario.clone().with_seed(seed)).unwrap();
+            found.values()
+        })
+        .collect();
+    let mut ratios = Vec::new();
+    for (k, parameter) in foretold.parameters.iter().enumerate() {
+        let mean = estimates.iter().map(|e| e[k]).sum::<f64>() / count as f64;
+        let squares: f64 = estimates.iter().map(|e| (e[k] - mean).powi(2)).sum();
+        let ratio = (squares / (count - 1) as f64).sqrt() / foretold.sigmas[k];
+        println!("{} {ratio:.3}", parameter.name);
+        ratios.push(ratio);
+    }
+    println!("all {:.4}", rms(ratios.iter().copied()));
+    ratios.sort_by(f64::total_cmp);
+    let (low, high) = (ratios[0], ratios[ratios.len() - 1]);
+    assert!(low > 0.9 && high < 1.1, "{low} to {high}");
+}

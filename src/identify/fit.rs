@@ -8,7 +8,7 @@ use crate::align::{Alignment, Place, TimeMap};
 use crate::error::{Error, Kind, Result};
 use crate::model::Model;
 use crate::plan::Loss;
-use crate::solve::{self, Solution, Spectrum, Triangle, Truncation, Tsqr};
+use crate::solve::{self, Matrix, Solution, Spectrum, Triangle, Truncation, Tsqr};
 
 /// A direction is observed when a combination of errors of this size each (rms over the measured
 /// sphere, um) would show by more than `SEEN_SIGMAS` standard deviations of the stated noise.
@@ -63,17 +63,7 @@ pub struct RunInput {
 /// be told apart; when there are fewer samples than parameters; when the fit does not converge. A fit
 /// that converges and does not explain the log has [`Identification::cautions`].
 pub fn identify(model: &Model, runs: Vec<RunInput>, options: &Options) -> Result<Identification> {
-    let columns = Columns::new(model.parameters().len(), &runs);
-    let mut fit = Fit {
-        model,
-        options,
-        columns,
-        runs,
-        values: vec![0.0; model.parameters().len()],
-        sigma_mm: options.noise_mm,
-        taking_part: Vec::new(),
-        weights: None,
-    };
+    let mut fit = Fit::new(model, runs, options);
     fit.check_enough()?;
     let mut steps = 0;
     let coarse = fit.coarse_legs();
@@ -121,7 +111,21 @@ pub(super) struct Fit<'a> {
     pub(super) weights: Option<Vec<Vec<f64>>>,
 }
 
-impl Fit<'_> {
+impl<'a> Fit<'a> {
+    /// A fit that has not begun: all parameters zero, the noise as stated, no samples chosen.
+    pub(super) fn new(model: &'a Model<'a>, runs: Vec<RunInput>, options: &'a Options) -> Self {
+        Self {
+            model,
+            options,
+            columns: Columns::new(model.parameters().len(), &runs),
+            runs,
+            values: vec![0.0; model.parameters().len()],
+            sigma_mm: options.noise_mm,
+            taking_part: Vec::new(),
+            weights: None,
+        }
+    }
+
     fn check_enough(&self) -> Result<()> {
         let samples: usize = self
             .runs
@@ -195,8 +199,7 @@ impl Fit<'_> {
             }
             let triangle = self.factor(detail)?;
             let floor = self.floor(triangle.rows());
-            let spectrum = Spectrum::with_references(&triangle, &self.references(&triangle))?;
-            let solution = spectrum.solve(Truncation::Effect(floor));
+            let solution = self.spectrum(&triangle)?.solve(Truncation::Effect(floor));
             self.refuse_deficient(&solution)?;
             let step = solution.x().to_vec();
             let change = triangle.r().times_vector(&step);
@@ -233,9 +236,40 @@ impl Fit<'_> {
         ))
     }
 
+    pub(super) fn spectrum(&self, triangle: &Triangle) -> Result<Spectrum> {
+        Spectrum::with_references(triangle, &self.references(triangle))
+    }
+
+    /// Rows of the full detail.
+    pub(super) fn triangle(&self) -> Result<Triangle> {
+        self.factor(timing::Detail::Full)
+    }
+
+    /// States the uncertainties of the times before a measurement: which samples take part hangs on the
+    /// times, and how well the times are known on which samples take part.
+    pub(super) fn foresee_times(&mut self) -> Result<()> {
+        for _ in 0..2 {
+            self.taking_part = residuals::taking_part(&self.runs, 0.0);
+            let triangle = self.triangle()?;
+            let floor = Truncation::Effect(self.floor(triangle.rows()));
+            let covariance = self.spectrum(&triangle)?.solve(floor).covariance_unscaled();
+            self.state_times(&covariance);
+        }
+        self.taking_part = residuals::taking_part(&self.runs, 0.0);
+        Ok(())
+    }
+
+    /// Takes the uncertainties of the time maps from the covariance of all columns.
+    pub(super) fn state_times(&mut self, covariance: &Matrix) {
+        for (index, run) in self.runs.iter_mut().enumerate() {
+            self.columns.state_uncertainty(index, &mut run.alignment.time_map, covariance);
+            run.alignment.place_samples();
+        }
+    }
+
     /// Norms against which a column may vanish by cancellation: the longest of the same unit. Columns of
     /// time stand for themselves.
-    fn references(&self, triangle: &Triangle) -> Vec<f64> {
+    pub(super) fn references(&self, triangle: &Triangle) -> Vec<f64> {
         let norms = triangle.r().column_norms();
         let parameters = self.model.parameters();
         let longest = |unit: &str| {
@@ -250,7 +284,7 @@ impl Fit<'_> {
     }
 
     /// Singular values below this are not observed.
-    fn floor(&self, rows: usize) -> f64 {
+    pub(super) fn floor(&self, rows: usize) -> f64 {
         let typical = SEEN_UM * 1e-3 / self.options.noise_mm * (rows as f64).sqrt();
         SEEN_SIGMAS / typical
     }

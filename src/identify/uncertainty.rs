@@ -39,10 +39,7 @@ impl Fit<'_> {
         let filtered = self.filtered(&records, &noise)?;
         let covariance = outcome.solution.covariance_sandwich(&filtered);
         let sigmas = solve::standard_deviations(&covariance);
-        for (index, run) in self.runs.iter_mut().enumerate() {
-            self.columns.state_uncertainty(index, &mut run.alignment.time_map, &covariance);
-            run.alignment.place_samples();
-        }
+        self.state_times(&covariance);
         let count = self.columns.coefficients;
         let spectrum = outcome.solution.spectrum();
         let observed = outcome.solution.observed_fraction();
@@ -80,7 +77,7 @@ impl Fit<'_> {
     }
 
     /// The rows `W J`, filtered by the noise, for the sandwich.
-    fn filtered(&self, records: &[Vec<Record>], noise: &NoiseModel) -> Result<Triangle> {
+    pub(super) fn filtered(&self, records: &[Vec<Record>], noise: &NoiseModel) -> Result<Triangle> {
         let mut rows = Tsqr::new(self.columns.total);
         let mut row = vec![0.0; self.columns.total];
         let mut filter = BackwardFilter::new(noise, self.columns.total);

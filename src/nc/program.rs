@@ -76,3 +76,10 @@ pub struct Program {
     /// What the machine does, in order.
     pub steps: Vec<Step>,
 }
+
+impl Program {
+    /// How many operator's stops the program makes.
+    pub fn stops(&self) -> usize {
+        self.steps.iter().filter(|step| step.action == Action::Stop).count()
+    }
+}

@@ -36,6 +36,8 @@ pub(super) struct RawBallBar {
     range_mm: Option<Spanned<f64>>,
     resolution_um: Option<Spanned<f64>>,
     noise_um: Option<Spanned<f64>>,
+    correlated_um: Option<Spanned<f64>>,
+    correlation_s: Option<Spanned<f64>>,
     clock_ppm: Option<Spanned<f64>>,
 }
 
@@ -57,11 +59,18 @@ impl RawBallBar {
             ))
             .at(text.place(self.length_mm.span())));
         }
+        let noise_mm = or(self.noise_um, "noise_um", 0.15)? * 1e-3;
+        let correlated_mm = match &self.correlated_um {
+            None => 0.0,
+            Some(given) => text.within(given, "correlated_um", 0.0, noise_mm * 1e3)? * 1e-3,
+        };
         Ok(BallBar {
             length_mm,
             range_mm,
             resolution_mm: or(self.resolution_um, "resolution_um", 0.1)? * 1e-3,
-            noise_mm: or(self.noise_um, "noise_um", 0.15)? * 1e-3,
+            noise_mm,
+            correlated_mm,
+            correlation_s: or(self.correlation_s, "correlation_s", 0.3)?,
             sample_rate_hz: match &log.sample_rate_hz {
                 Some(rate) => text.within(rate, "sample_rate_hz", SLOWEST_HZ, FASTEST_HZ)?,
                 None => 10.0,

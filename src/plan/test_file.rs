@@ -24,6 +24,11 @@ pub struct BallBar {
     pub resolution_mm: f64,
     /// Standard deviation of one reading, mm.
     pub noise_mm: f64,
+    /// Standard deviation of that part of the noise which is correlated from one reading to the next,
+    /// mm; 0 where all of it is white.
+    pub correlated_mm: f64,
+    /// Time in which its correlation falls to 1/e, s.
+    pub correlation_s: f64,
     /// Samples a second.
     pub sample_rate_hz: f64,
     /// How far its clock may run fast or slow, as a share of 1.

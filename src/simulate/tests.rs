@@ -45,6 +45,8 @@ fn bench() -> Bench {
         range_mm: 1.2,
         resolution_mm: 1e-4,
         noise_mm: 1.5e-4,
+        correlated_mm: 0.0,
+        correlation_s: 0.3,
         sample_rate_hz: 10.0,
         clock_tolerance: 1e-4,
     };

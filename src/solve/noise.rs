@@ -147,6 +147,19 @@ impl NoiseModel {
         ))
     }
 
+    /// The autoregression that has these autocovariances, at the distances 0, 1, .. in samples; of as
+    /// high an order as they are those of a process.
+    pub fn of_autocovariances(autocovariances: &[f64]) -> Self {
+        let sigma = autocovariances.first().map_or(0.0, |variance| variance.max(0.0).sqrt());
+        if sigma == 0.0 {
+            return Self::white(0.0);
+        }
+        levinson(autocovariances, autocovariances.len()).pop().map_or_else(
+            || Self::white(sigma),
+            |(phi, innovation)| Self { sigma, phi, innovation_sigma: innovation.sqrt() },
+        )
+    }
+
     /// Standard deviation of a single sample, in the unit of the residuals.
     pub fn sigma(&self) -> f64 {
         self.sigma

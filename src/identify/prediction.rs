@@ -1,0 +1,197 @@
+//! How well a test will know its parameters, before it is run.
+//!
+//! **Rehearsal.** The programs of the test run on a perfect virtual machine, a perfect instrument writes
+//! a log at the sample rate, and the log is aligned as every log is. What comes out is where each sample
+//! will be taken and what the marks will tell of time. Nothing about it is a separate model of the test:
+//! it is the way that the data will go.
+//!
+//! **Prediction.** The rows of the fit at these samples, with the stated noise, have the covariance
+//!
+//! `(J'J)^+ J' S J (J'J)^+`
+//!
+//! over coefficients and time maps together, with `S` the covariance of the noise (its correlation from
+//! one reading to the next included); the fit states the same after a measurement, with the noise that
+//! it has found.
+
+use super::fit::{Fit, Options, RunInput};
+use crate::align::{self, Place};
+use crate::error::{Error, Kind, Result};
+use crate::log;
+use crate::machine::Machine;
+use crate::model::{Model, Parameter};
+use crate::nc::Program;
+use crate::plan::{BallBar, NamedMounting};
+use crate::simulate::{self, Pauses, Scenario};
+use crate::solve::{self, Matrix, NoiseModel, NullDirection, Truncation};
+
+/// What a pause's place in time is known to at the least before the fit, s; the fit does better.
+const PAUSE_SIGMA_S: f64 = 0.02;
+/// How long every operator's pause of a rehearsal is, s. The length does not matter to what is seen.
+const PAUSE_S: f64 = 10.0;
+
+/// The samples that a program will give, taken by a perfect instrument on a perfect machine.
+///
+/// # Errors
+/// When the program does not engage the bar, or leaves its range.
+pub fn rehearse(
+    program: &Program,
+    machine: &Machine,
+    bar: &BallBar,
+    index: usize,
+    named: &NamedMounting,
+) -> Result<RunInput> {
+    let mounting = &named.mounting;
+    let stops = program.stops();
+    let pauses = Pauses::Fixed(vec![PAUSE_S; stops]);
+    let scenario = Scenario { pauses, ..Scenario::perfect() };
+    let run = simulate::run(machine, mounting, program, bar, &scenario)?;
+    let log = log::read_bytes(run.csv().as_bytes(), &program.file, &log::Format::default())?;
+    let mut alignment = align::align(&log, program, machine, mounting, bar, 1.0)?;
+    // A perfect machine hides where its pauses were; the fit of a real one finds them.
+    let map = &mut alignment.time_map;
+    for leg in 0..=stops {
+        if map.offset_sigmas_s[leg].is_finite() {
+            map.offsets_s[leg] = run.clock.start_s + PAUSE_S * leg as f64;
+            map.offset_sigmas_s[leg] = map.offset_sigmas_s[leg].min(PAUSE_SIGMA_S);
+        }
+    }
+    map.rate = 0.0;
+    alignment.place_samples();
+    Ok(RunInput { name: named.name.clone(), mounting: index, alignment })
+}
+
+/// The noise that a test file states: white, correlated (`correlated² · exp(-t / correlation)`), and the
+/// steps of the reading, `resolution² / 12`.
+pub fn stated_noise(bar: &BallBar) -> NoiseModel {
+    let period_s = bar.sample_rate_hz.recip();
+    let white = bar.noise_mm.powi(2) - bar.correlated_mm.powi(2) + bar.resolution_mm.powi(2) / 12.0;
+    let correlated = bar.correlated_mm.powi(2);
+    // Until next to nothing of the correlation is left; an order beyond some hundred changes nothing.
+    let lags = (10.0 * bar.correlation_s / period_s).ceil().min(200.0) as usize;
+    let lags = if correlated > 0.0 { lags } else { 0 };
+    let at = |lag: usize| {
+        let white = if lag == 0 { white } else { 0.0 };
+        white + correlated * (-(lag as f64) * period_s / bar.correlation_s).exp()
+    };
+    NoiseModel::of_autocovariances(&(0..=lags).map(at).collect::<Vec<f64>>())
+}
+
+/// What a test will know.
+#[derive(Debug, Clone)]
+pub struct Prediction {
+    /// The parameters of the model, in its order.
+    pub parameters: Vec<Parameter>,
+    /// Standard deviation of each, in its unit; read it with `observed`.
+    pub sigmas: Vec<f64>,
+    /// Their covariance.
+    pub covariance: Matrix,
+    /// How much of each the test determines: 1 all, 0 nothing, between: only together with others.
+    pub observed: Vec<f64>,
+    /// Rank over the parameters, by the noise.
+    pub rank: usize,
+    /// Condition number of the scaled columns over the observed directions.
+    pub condition: f64,
+    /// What is confounded, by index of parameter.
+    pub null_directions: Vec<NullDirection>,
+    /// Samples on arcs that the fit will use.
+    pub samples: usize,
+    /// The largest standard deviation of the time of one of them, s.
+    pub worst_time_sigma_s: f64,
+}
+
+impl Prediction {
+    /// Standard deviation of a parameter by name, in its unit; `None` where it is not among them or not
+    /// determined by itself.
+    pub fn sigma(&self, name: &str) -> Option<f64> {
+        let k = self.parameters.iter().position(|p| p.name == name)?;
+        (self.observed[k] > SEEN_ALONE).then_some(self.sigmas[k])
+    }
+}
+
+/// A parameter is determined by itself if no more than rounding of it is not.
+const SEEN_ALONE: f64 = 1.0 - 1e-6;
+
+/// Predicts what rehearsed runs will know of the parameters of a model.
+pub fn predict(
+    model: &Model,
+    runs: Vec<RunInput>,
+    options: &Options,
+    noise: &NoiseModel,
+) -> Result<Prediction> {
+    let mut fit = rehearsed_fit(model, runs, options, noise)?;
+    let triangle = fit.triangle()?;
+    let spectrum = fit.spectrum(&triangle)?;
+    let floor = fit.floor(triangle.rows());
+    let solution = spectrum.solve(Truncation::Effect(floor));
+    let records = fit.records();
+    let covariance = solution.covariance_sandwich(&fit.filtered(&records, noise)?);
+    fit.state_times(&covariance);
+    let sigmas = solve::standard_deviations(&covariance);
+    let count = fit.columns.coefficients;
+    let lost = fit.columns.total - solution.rank();
+    let used = || {
+        let samples = fit.runs.iter().zip(&fit.taking_part);
+        samples
+            .flat_map(|(run, part)| run.alignment.samples.iter().zip(part))
+            .filter(|(_, part)| **part)
+    };
+    let mut null_directions = solution.spectrum().null_directions(solution.rank(), 0.02);
+    null_directions.sort_by_key(|direction| direction.parts.first().map(|part| part.0));
+    Ok(Prediction {
+        parameters: model.parameters().to_vec(),
+        sigmas: sigmas[..count].to_vec(),
+        covariance: Matrix::from_fn(count, count, |i, k| covariance[(i, k)]),
+        observed: solution.observed_fraction()[..count].to_vec(),
+        rank: count - lost,
+        condition: solution.spectrum().condition_of(solution.rank()),
+        null_directions,
+        samples: used().count(),
+        worst_time_sigma_s: used().map(|(s, _)| s.time_sigma_s).fold(0.0, f64::max),
+    })
+}
+
+/// Of the parameters of a model those that these runs, rehearsed or measured, tell apart through the
+/// noise, chosen in the order of `names`; a set-up error stands for those of all mountings.
+pub fn complete(
+    model: &Model,
+    runs: Vec<RunInput>,
+    options: &Options,
+    names: &[String],
+) -> Result<(Vec<String>, Vec<RunInput>)> {
+    let noise = NoiseModel::white(options.noise_mm);
+    let fit = rehearsed_fit(model, runs, options, &noise)?;
+    let triangle = fit.triangle()?;
+    let bare = |k: usize| model.parameters()[k].name.split('@').next();
+    let of_name =
+        |name: &str| (0..model.parameters().len()).filter(|&k| bare(k) == Some(name)).collect();
+    // Nobody asks whether to estimate the times: they come first.
+    let times = fit.columns.coefficients..fit.columns.total;
+    let order: Vec<usize> =
+        times.chain(names.iter().flat_map(|name| -> Vec<usize> { of_name(name) })).collect();
+    let floor = Truncation::Effect(fit.floor(triangle.rows()));
+    let choice = triangle.choose(&order, &fit.references(&triangle), floor)?;
+    let kept = choice.kept.iter().filter_map(|&k| model.parameters().get(k));
+    Ok((kept.map(|parameter| parameter.name.clone()).collect(), fit.runs))
+}
+
+fn rehearsed_fit<'a>(
+    model: &'a Model,
+    runs: Vec<RunInput>,
+    options: &'a Options,
+    noise: &NoiseModel,
+) -> Result<Fit<'a>> {
+    let on_arcs = |run: &RunInput| {
+        run.alignment.samples.iter().any(|sample| matches!(sample.place, Place::Arc(_)))
+    };
+    if let Some(run) = runs.iter().find(|run| !on_arcs(run)) {
+        return Err(Error::new(
+            Kind::Undetermined,
+            format!("run `{}` gives no sample on an arc", run.name),
+        )
+        .hint("a program must drive the sphere with the bar in its range"));
+    }
+    let mut fit = Fit::new(model, runs, options);
+    fit.sigma_mm = noise.sigma();
+    fit.foresee_times()?;
+    Ok(fit)
+}
