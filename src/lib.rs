@@ -21,6 +21,7 @@
 //! | [`align`] | engagement, time map, samples with poses |
 //! | [`solve`] | factorisation, rank, covariance: the linear algebra |
 //! | [`identify`] | the fit, what is observable, repeats |
+//! | [`design`] | what a test will see before it is run, and which test sees most |
 //! | [`report`] | terminal, HTML, JSON, CSV |
 //! | [`cli`] | the command line |
 //!
@@ -51,6 +52,7 @@
 
 pub mod align;
 pub mod cli;
+pub mod design;
 pub mod error;
 pub mod identify;
 mod input;
