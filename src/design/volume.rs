@@ -84,7 +84,7 @@ impl Volume {
         let model = Model::new(machine, vec![*mounting], terms);
         let rows = points_mm.len() * ROWS;
         let mut field = Matrix::zeros(rows, coefficients.len());
-        let mut rigid: Vec<Vec<f64>> = vec![Vec::with_capacity(rows); 6];
+        let mut rigid: Vec<Vec<f64>> = vec![Vec::new(); 6];
         for (point, position_mm) in points_mm.iter().enumerate() {
             for (of_senses, senses) in SENSES.iter().enumerate() {
                 let pose = Pose { position_mm: *position_mm, sense: Vector3::from(*senses) };
@@ -241,8 +241,8 @@ mod tests {
         let rigid = named(&["EXX0", "EAX0", "EBX0", "ECX0", "EYZ0", "EBZ0"]);
         let volume = Volume::new(&machine, &mounting, Volume::travel_mm(&machine), 3, &rigid);
         for i in 0..volume.field.rows() {
-            for k in 0..rigid.len() {
-                assert!(volume.field[(i, k)].abs() < 1e-9, "{}", rigid[k]);
+            for (k, coefficient) in rigid.iter().enumerate() {
+                assert!(volume.field[(i, k)].abs() < 1e-9, "{coefficient}");
             }
         }
         assert!((volume.sizes()[0] - 3.0_f64.sqrt().recip()).abs() < 1e-12, "1 mm of 3 components");

@@ -108,19 +108,11 @@ impl<'a> Gather<'a> {
     /// Each arc stands by itself: a slide that stands still during it has the sense 0 there.
     pub fn drive(&mut self, mounting: usize, arcs: &[Arc], bar_mm: f64, points: usize) {
         let at = self.model.mountings()[mounting];
-        for forward in arcs {
-            for arc in [forward.clone(), forward.reversed("")] {
-                for k in 0..points {
-                    let direction = arc.at((k as f64 + 0.5) / points as f64);
-                    let tangent = arc.normal.cross(&direction) * arc.sweep_rad.signum();
-                    let pose = Pose {
-                        position_mm: at.coincidence_mm + direction.into_inner() * bar_mm,
-                        sense: tangent.map(|t| if t.abs() < 1e-9 { 0.0 } else { t.signum() }),
-                    };
-                    let situation = self.model.situation(&pose, mounting);
-                    let size = (pose.position_mm.abs() + at.coincidence_mm.abs()) / bar_mm;
-                    self.push(&situation, &size);
-                }
+        for arc in arcs {
+            for pose in ideal_poses(&at, arc, bar_mm, points) {
+                let situation = self.model.situation(&pose, mounting);
+                let size = (pose.position_mm.abs() + at.coincidence_mm.abs()) / bar_mm;
+                self.push(&situation, &size);
             }
         }
     }
@@ -133,6 +125,27 @@ impl<'a> Gather<'a> {
             parameters: self.model.parameters().to_vec(),
         })
     }
+}
+
+/// Poses on an ideal arc driven forward and then backward, `points` each way, on a bar of this length; a
+/// slide that stands still on it has the sense 0.
+pub fn ideal_poses(
+    mounting: &Mounting,
+    arc: &Arc,
+    bar_mm: f64,
+    points: usize,
+) -> impl Iterator<Item = Pose> {
+    let coincidence_mm = mounting.coincidence_mm;
+    [arc.clone(), arc.reversed("")].into_iter().flat_map(move |arc| {
+        (0..points).map(move |k| {
+            let direction = arc.at((k as f64 + 0.5) / points as f64);
+            let tangent = arc.normal.cross(&direction) * arc.sweep_rad.signum();
+            Pose {
+                position_mm: coincidence_mm + direction.into_inner() * bar_mm,
+                sense: tangent.map(|t| if t.abs() < 1e-9 { 0.0 } else { t.signum() }),
+            }
+        })
+    })
 }
 
 /// The triangle of all columns, with the names of the columns.
