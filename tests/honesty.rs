@@ -48,18 +48,23 @@ impl Bench {
         let (machine, mounting, program) = (&self.machine, &self.mounting, &self.program);
         let run = simulate::run(machine, mounting, program, self.bar(), scenario).unwrap();
         let name = PathBuf::from("run1.csv");
-        let log = log::read_bytes(run.csv().as_bytes(), &name, self.test.log_format()).unwrap();
+        let log =
+            log::read_bytes(run.csv().as_bytes(), &name, &self.test.log_format_of(0)).unwrap();
         let alignment = align::align(&log, program, machine, mounting, self.bar(), 1.0)?;
         let terms = model::terms(&["observable35".to_owned()], &["A".to_owned()]).unwrap();
         let model = Model::new(machine, vec![*mounting], terms);
         let options = Options {
-            nominal_mm: self.bar().length_mm,
             noise_mm: self.bar().noise_mm,
             clock_tolerance: self.bar().clock_tolerance,
             loss: self.test.estimation().loss,
             minimum_norm: false,
         };
-        let input = RunInput { name: "run1".to_owned(), mounting: 0, alignment };
+        let input = RunInput {
+            name: "run1".to_owned(),
+            mounting: 0,
+            nominal_mm: self.bar().length_mm,
+            alignment,
+        };
         Ok((run, identify::identify(&model, vec![input], &options)?))
     }
 }

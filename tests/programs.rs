@@ -7,6 +7,7 @@ use std::path::Path as FilePath;
 use ballbar::machine::Machine;
 use ballbar::motion::Trajectory;
 use ballbar::nc;
+use ballbar::plan::log_format::ReadingKind;
 use ballbar::plan::{Path, Test};
 
 fn machine(name: &str, decimals: usize) -> Machine {
@@ -116,6 +117,25 @@ fn free_arcs_stay_on_the_sphere() {
     for name in ["(ARC 1 CCW)", "(ARC 1 CW)", "(ARC 2 FORWARD)", "(PART BACKWARD)", "(TRANSIT)"] {
         assert!(text.contains(name), "{name}");
     }
+}
+
+#[test]
+fn a_mounting_may_use_a_bar_of_its_own() {
+    let machine = machine("hu40t.toml", 3);
+    let test = test(
+        "[20.0, -35.0, 40.0]\nbar_length_mm = 100.0",
+        "[[plan.arc]]\nkind = \"equator\"\n[log]\nreading = \"length\"",
+    );
+    let (program, back, text) = written_and_read(&machine, &test);
+    assert!(text.contains("(BALL-BAR FREE R100 F500)"), "{text}");
+    assert!(back.worst_mm < 0.00075 && back.sag_mm > 0.00035, "{back:?}");
+    let at = |program_s: f64| {
+        let position_mm = Trajectory::new(&program, &machine, 1.0).at(program_s).position_mm;
+        (position_mm - test.mountings()[0].mounting.coincidence_mm).norm()
+    };
+    assert!((at(60.0) - 100.0).abs() < 1e-3, "{}", at(60.0));
+    let kind = test.log_format_of(0).reading.kind;
+    assert_eq!(kind, ReadingKind::Length { nominal_mm: 100.0 }, "its logs are read by its length");
 }
 
 #[test]

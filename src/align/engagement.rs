@@ -144,7 +144,7 @@ pub(super) fn pair(
     let Some(shortest_s) = expected.iter().map(Engagement::duration_s).reduce(f64::min) else {
         return Err(Error::new(Kind::Mismatch, "the program never brings the bar into its range")
             .hint(
-                "check the mounting's `coincidence_mm` and the bar's `length_mm` in the test file",
+                "check the mounting's `coincidence_mm` and the length of its bar in the test file",
             ));
     };
     let long: Vec<Range<usize>> =

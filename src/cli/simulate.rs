@@ -74,7 +74,7 @@ impl Arguments {
                     &machine,
                     &mounting.mounting,
                     &program,
-                    test.ball_bar(),
+                    &test.bar_of(source.mounting),
                     &scenario.clone().with_seed(seed),
                 )?;
                 let name = match sources.len() {

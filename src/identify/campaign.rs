@@ -15,7 +15,7 @@ use crate::plan::{Run, Test};
 
 /// Reads and aligns one run of a test.
 pub fn align_run(test: &Test, machine: &Machine, run: &Run) -> Result<RunInput> {
-    let log = log::read(&run.log, test.log_format())?;
+    let log = log::read(&run.log, &test.log_format_of(run.mounting))?;
     let mut reading = nc::Reading::default();
     for mounting in test.mountings() {
         reading.work_offsets_mm.insert(mounting.work_offset, mounting.mounting.coincidence_mm);
@@ -24,15 +24,15 @@ pub fn align_run(test: &Test, machine: &Machine, run: &Run) -> Result<RunInput> 
     let mounting = &test.mountings()[run.mounting];
     reading.work_offsets_mm.insert(mounting.work_offset, mounting.mounting.coincidence_mm);
     let program = nc::read_file(&run.program, &reading)?;
-    let alignment = align::align(
-        &log,
-        &program,
-        machine,
-        &mounting.mounting,
-        test.ball_bar(),
-        run.feed_override,
-    )?;
-    Ok(RunInput { name: run.name.clone(), mounting: run.mounting, alignment })
+    let bar = test.bar_of(run.mounting);
+    let alignment =
+        align::align(&log, &program, machine, &mounting.mounting, &bar, run.feed_override)?;
+    Ok(RunInput {
+        name: run.name.clone(),
+        mounting: run.mounting,
+        nominal_mm: bar.length_mm,
+        alignment,
+    })
 }
 
 /// Identifies every repeat of a test: runs with the same repeat number together, repeats apart.
@@ -51,7 +51,6 @@ pub fn campaign(
     }
     let (bar, estimation) = (test.ball_bar(), test.estimation());
     let options = Options {
-        nominal_mm: bar.length_mm,
         noise_mm: bar.noise_mm,
         clock_tolerance: bar.clock_tolerance,
         loss: estimation.loss,

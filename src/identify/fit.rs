@@ -33,8 +33,6 @@ const CHOOSING_STEPS: usize = 3;
 /// How to identify.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Nominal length of the bar, mm.
-    pub nominal_mm: f64,
     /// Stated standard deviation of a reading, mm.
     pub noise_mm: f64,
     /// How far the instrument's clock may be off, as a share of 1.
@@ -52,6 +50,8 @@ pub struct RunInput {
     pub name: String,
     /// Index of its mounting in the model.
     pub mounting: usize,
+    /// Nominal length of the bar that was used, mm.
+    pub nominal_mm: f64,
     /// The aligned log.
     pub alignment: Alignment,
 }
@@ -153,7 +153,7 @@ impl<'a> Fit<'a> {
 
     fn find_facets(&mut self) {
         for run in &mut self.runs {
-            timing::find_facets(self.model, &self.values, run, self.options.nominal_mm);
+            timing::find_facets(self.model, &self.values, run);
             run.alignment.place_samples();
         }
     }
@@ -161,8 +161,7 @@ impl<'a> Fit<'a> {
     /// Fits again with every doubtful leg where else it could lie, and keeps what fits better.
     fn try_elsewhere(&mut self, mut best: Outcome) -> Outcome {
         for index in 0..self.runs.len() {
-            let nominal_mm = self.options.nominal_mm;
-            let doubts = timing::doubts(self.model, &self.values, &self.runs[index], nominal_mm);
+            let doubts = timing::doubts(self.model, &self.values, &self.runs[index]);
             for doubt in doubts {
                 for shift_s in doubt.shifts_s.into_iter().take(MOST_PLACES) {
                     let kept = (self.values.clone(), self.sigma_mm, self.taking_part.clone());
@@ -300,14 +299,7 @@ impl<'a> Fit<'a> {
                     continue;
                 }
                 let weight = self.weights.as_ref().map_or(1.0, |weights| weights[index][k]);
-                let view = timing::view(
-                    self.model,
-                    &self.values,
-                    run,
-                    sample,
-                    detail,
-                    self.options.nominal_mm,
-                );
+                let view = timing::view(self.model, &self.values, run, sample, detail);
                 self.fill_row(&mut row, index, sample, view.speed_mm_s);
                 rows.push_weighted(&row, view.residual_mm, weight.sqrt() / self.sigma_mm);
             }
@@ -426,14 +418,13 @@ impl<'a> Fit<'a> {
     }
 
     pub(super) fn records(&self) -> Vec<Vec<Record>> {
-        let nominal_mm = self.options.nominal_mm;
         self.runs
             .iter()
             .enumerate()
             .map(|(index, run)| {
                 let weights = self.weights.as_ref().map(|weights| weights[index].as_slice());
                 let used = &self.taking_part[index];
-                residuals::records(self.model, &self.values, run, used, weights, nominal_mm)
+                residuals::records(self.model, &self.values, run, used, weights)
             })
             .collect()
     }

@@ -66,7 +66,6 @@ pub(super) fn records(
     run: &RunInput,
     used: &[bool],
     weights: Option<&[f64]>,
-    nominal_mm: f64,
 ) -> Vec<Record> {
     run.alignment
         .samples
@@ -74,7 +73,7 @@ pub(super) fn records(
         .enumerate()
         .map(|(k, sample)| {
             let pose: &Pose = &sample.pose;
-            let predicted_mm = model.length_mm(values, pose, run.mounting) - nominal_mm;
+            let predicted_mm = model.length_mm(values, pose, run.mounting) - run.nominal_mm;
             Record {
                 predicted_mm,
                 residual_mm: sample.deviation_mm - predicted_mm,

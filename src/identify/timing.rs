@@ -63,13 +63,12 @@ pub(super) fn view(
     run: &RunInput,
     sample: &Sample,
     detail: Detail,
-    nominal_mm: f64,
 ) -> View {
     let coincidence_mm = run.alignment.coincidence_mm();
     let predicted = |pose: &Pose| {
         let length_mm = model.length_mm(values, pose, run.mounting);
         match detail {
-            Detail::Full => length_mm - nominal_mm,
+            Detail::Full => length_mm - run.nominal_mm,
             Detail::Smooth => length_mm - (pose.position_mm - coincidence_mm).norm(),
         }
     };
@@ -100,14 +99,14 @@ pub(super) fn view(
 ///
 /// Chords that rounding does not tell apart leave several peaks a chord apart; what lies outside the
 /// highest one becomes the offset's ambiguity.
-pub(super) fn find_facets(model: &Model, values: &[f64], run: &mut RunInput, nominal_mm: f64) {
+pub(super) fn find_facets(model: &Model, values: &[f64], run: &mut RunInput) {
     let stride = stride(Detail::Smooth, run.alignment.samples.len());
     for leg in run.alignment.legs() {
         let sigma_s = run.alignment.time_map.offset_sigmas_s[leg];
         if sigma_s < 0.1 * FACET_S {
             continue;
         }
-        let held = Held::of_leg(model, values, run, leg, stride, nominal_mm);
+        let held = Held::of_leg(model, values, run, leg, stride);
         let reach = ((4.0 * sigma_s).clamp(0.1, FARTHEST_S) / SEARCH_STEP_S).ceil() as i32;
         let misfits: Vec<(f64, f64)> = (-reach..=reach)
             .map(|k| f64::from(k) * SEARCH_STEP_S)
@@ -151,7 +150,7 @@ pub(super) struct Doubt {
 ///
 /// The coefficients have adapted to a wrong leg as well as they could, so a better place need not look
 /// better before they are fitted again: the caller tries each.
-pub(super) fn doubts(model: &Model, values: &[f64], run: &RunInput, nominal_mm: f64) -> Vec<Doubt> {
+pub(super) fn doubts(model: &Model, values: &[f64], run: &RunInput) -> Vec<Doubt> {
     let stride = stride(Detail::Smooth, run.alignment.samples.len());
     let misfit = |leg: usize, shift_s: f64| {
         let of_leg = run.alignment.samples.iter().step_by(stride);
@@ -161,7 +160,7 @@ pub(super) fn doubts(model: &Model, values: &[f64], run: &RunInput, nominal_mm: 
             let state = run.alignment.trajectory.at(sample.program_s + shift_s);
             let pose = Pose { position_mm: state.position_mm, sense: state.sense };
             let length_mm = model.length_mm(values, &pose, run.mounting);
-            sum += (sample.deviation_mm - (length_mm - nominal_mm)).powi(2);
+            sum += (sample.deviation_mm - (length_mm - run.nominal_mm)).powi(2);
             count += 1.0;
         }
         sum / count.max(1.0)
@@ -220,7 +219,6 @@ struct Held<'a> {
     model: &'a Model<'a>,
     values: &'a [f64],
     run: &'a RunInput,
-    nominal_mm: f64,
     /// Sample, and its reading minus the slow part of the prediction, mm.
     readings: Vec<(&'a Sample, f64)>,
 }
@@ -232,7 +230,6 @@ impl<'a> Held<'a> {
         run: &'a RunInput,
         leg: usize,
         stride: usize,
-        nominal_mm: f64,
     ) -> Self {
         let readings = run
             .alignment
@@ -241,11 +238,11 @@ impl<'a> Held<'a> {
             .step_by(stride)
             .filter(|s| s.leg == leg && matches!(s.place, Place::Arc(_)))
             .map(|sample| {
-                let view = view(model, values, run, sample, Detail::Smooth, nominal_mm);
+                let view = view(model, values, run, sample, Detail::Smooth);
                 (sample, view.residual_mm)
             })
             .collect();
-        Self { model, values, run, nominal_mm, readings }
+        Self { model, values, run, readings }
     }
 
     /// Sum of squares with steps and facets a shift later, mm².
@@ -256,7 +253,7 @@ impl<'a> Held<'a> {
             .iter()
             .map(|(sample, slow_mm)| {
                 let state = self.run.alignment.trajectory.at(sample.program_s + shift_s);
-                let facet_mm = (state.position_mm - coincidence_mm).norm() - self.nominal_mm;
+                let facet_mm = (state.position_mm - coincidence_mm).norm() - self.run.nominal_mm;
                 let step_mm = if state.sense == sample.pose.sense {
                     0.0
                 } else {

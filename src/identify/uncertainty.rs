@@ -86,15 +86,9 @@ impl Fit<'_> {
                 filter.begin(segment.len());
                 for k in segment.rev() {
                     let sample = &run.alignment.samples[k];
-                    let speed = timing::view(
-                        self.model,
-                        &self.values,
-                        run,
-                        sample,
-                        timing::Detail::Full,
-                        self.options.nominal_mm,
-                    )
-                    .speed_mm_s;
+                    let speed =
+                        timing::view(self.model, &self.values, run, sample, timing::Detail::Full)
+                            .speed_mm_s;
                     self.fill_row(&mut row, index, sample, speed);
                     let weight = records[index][k].weight / (self.sigma_mm * self.sigma_mm);
                     for value in &mut row {

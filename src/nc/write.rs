@@ -26,7 +26,6 @@ struct Fanuc {
 pub fn write(test: &Test, machine: &Machine, path: &Path) -> Result<String> {
     let plan = test.plan()?;
     let mounting = &test.mountings()[path.mounting];
-    let bar = test.ball_bar();
     let mut writer = Writer {
         controller: machine.controller(),
         blocks: Vec::new(),
@@ -50,7 +49,7 @@ pub fn write(test: &Test, machine: &Machine, path: &Path) -> Result<String> {
         title: comment(format!(
             "BALL-BAR {} R{} F{}",
             plan.strategy_name(),
-            number(bar.length_mm).trim_end_matches('.'),
+            number(mounting.bar_length_mm).trim_end_matches('.'),
             number(plan.feed_mm_s * 60.0).trim_end_matches('.')
         )),
         header: vec![
@@ -203,7 +202,7 @@ pub struct ReadBack {
 /// When the program has another number of moves than the plan, with both.
 pub fn read_back(program: &Program, test: &Test, path: &Path) -> Result<ReadBack> {
     let coincidence_mm = &test.mountings()[path.mounting].mounting.coincidence_mm;
-    let sphere_mm = test.ball_bar().length_mm;
+    let sphere_mm = test.bar_of(path.mounting).length_mm;
     // The first rapid comes from an unknown place and is no step of the program.
     let planned: Vec<&Vector3<f64>> = path.points().skip(1).collect();
     let mut moves = program.steps.iter().filter_map(|step| match &step.action {

@@ -46,7 +46,7 @@ impl Path {
     /// Plans the path of one mounting of a test and checks it against the travel of the machine.
     pub fn plan(test: &Test, machine: &Machine, mounting: usize) -> Result<Self> {
         let plan = test.plan()?;
-        let length_mm = test.ball_bar().length_mm;
+        let length_mm = test.bar_of(mounting).length_mm;
         let mut path = Self { mounting, steps: Vec::new(), arcs: Vec::new() };
         let mut at: Option<UnitVector3<f64>> = None;
         for arc in plan.arcs() {

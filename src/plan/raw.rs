@@ -53,12 +53,7 @@ impl RawBallBar {
         };
         let length_mm = text.positive(&self.length_mm, "length_mm")?;
         let range_mm = or(self.range_mm, "range_mm", 1.2)?;
-        if range_mm >= length_mm {
-            return Err(Error::input(format!(
-                "a bar of {length_mm} mm cannot read {range_mm} mm either way"
-            ))
-            .at(text.place(self.length_mm.span())));
-        }
+        check_length(length_mm, range_mm, text.place(self.length_mm.span()))?;
         let noise_mm = or(self.noise_um, "noise_um", 0.15)? * 1e-3;
         let correlated_mm = match &self.correlated_um {
             None => 0.0,
@@ -80,6 +75,16 @@ impl RawBallBar {
     }
 }
 
+/// A bar is longer than what it reads either way.
+fn check_length(length_mm: f64, range_mm: f64, place: Place) -> Result<()> {
+    if length_mm > range_mm {
+        return Ok(());
+    }
+    Err(Error::input(format!("a bar of {length_mm} mm cannot read {range_mm} mm either way"))
+        .at(place)
+        .hint("give the nominal length between the centres of the two balls"))
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawMounting {
@@ -87,9 +92,14 @@ pub(super) struct RawMounting {
     coincidence_mm: Spanned<[f64; 3]>,
     tool_ball_mm: Spanned<[f64; 3]>,
     work_offset: Option<Spanned<String>>,
+    bar_length_mm: Option<Spanned<f64>>,
 }
 
-pub(super) fn check_mountings(raw: &[RawMounting], text: &Text<'_>) -> Result<Vec<NamedMounting>> {
+pub(super) fn check_mountings(
+    raw: &[RawMounting],
+    bar: &BallBar,
+    text: &Text<'_>,
+) -> Result<Vec<NamedMounting>> {
     let mut mountings: Vec<NamedMounting> = Vec::new();
     for entry in raw {
         let name = entry.name.get_ref().clone();
@@ -113,6 +123,14 @@ pub(super) fn check_mountings(raw: &[RawMounting], text: &Text<'_>) -> Result<Ve
                         .hint("write one of `G54` to `G59`")
                 })?,
         };
+        let bar_length_mm = match &entry.bar_length_mm {
+            None => bar.length_mm,
+            Some(length) => {
+                let length_mm = text.positive(length, "bar_length_mm")?;
+                check_length(length_mm, bar.range_mm, text.place(length.span()))?;
+                length_mm
+            }
+        };
         mountings.push(NamedMounting {
             name,
             mounting: Mounting {
@@ -120,6 +138,7 @@ pub(super) fn check_mountings(raw: &[RawMounting], text: &Text<'_>) -> Result<Ve
                 tool_ball_mm: text.finite_vector(&entry.tool_ball_mm, "tool_ball_mm")?,
             },
             work_offset,
+            bar_length_mm,
         });
     }
     if mountings.is_empty() {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
 
-use super::log_format::Format;
+use super::log_format::{Format, ReadingKind};
 use super::raw::{RawTest, check_mountings};
 use super::{Arc, Strategy};
 use crate::error::{Error, Place, Result};
@@ -16,7 +16,7 @@ use crate::toml_text::{self, Text};
 /// The instrument.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BallBar {
-    /// Nominal length, mm.
+    /// Nominal length, mm; see [`Test::bar_of`] for that of a mounting.
     pub length_mm: f64,
     /// It reads up to this much either way and nothing beyond, mm.
     pub range_mm: f64,
@@ -44,6 +44,8 @@ pub struct NamedMounting {
     pub mounting: Mounting,
     /// The work offset whose zero is the workpiece ball: 54 for G54.
     pub work_offset: u8,
+    /// Nominal length of the bar between the balls, mm.
+    pub bar_length_mm: f64,
 }
 
 /// How the path is driven.
@@ -154,7 +156,7 @@ impl Test {
         let beside = |path: &str| file.parent().unwrap_or(Path::new("")).join(path);
         let ball_bar = raw.ball_bar.check(&raw.log, &text)?;
         let log_format = raw.log.check(ball_bar.length_mm, &text)?;
-        let mountings = check_mountings(&raw.mounting, &text)?;
+        let mountings = check_mountings(&raw.mounting, &ball_bar, &text)?;
         let plan =
             raw.plan.map(|plan| plan.check(&ball_bar, mountings.len(), &text)).transpose()?;
         let mut runs = Vec::new();
@@ -196,14 +198,27 @@ impl Test {
         Machine::read(&self.machine)
     }
 
-    /// The instrument.
+    /// The instrument; its length is that of mountings which name none of their own.
     pub fn ball_bar(&self) -> &BallBar {
         &self.ball_bar
     }
 
-    /// How the logs are written.
-    pub fn log_format(&self) -> &Format {
-        &self.log_format
+    /// The instrument with the length that a mounting, by its index, uses.
+    pub fn bar_of(&self, mounting: usize) -> BallBar {
+        let mut bar = self.ball_bar.clone();
+        if let Some(named) = self.mountings.get(mounting) {
+            bar.length_mm = named.bar_length_mm;
+        }
+        bar
+    }
+
+    /// How the logs of a mounting, by its index, are written.
+    pub fn log_format_of(&self, mounting: usize) -> Format {
+        let mut format = self.log_format.clone();
+        if let ReadingKind::Length { nominal_mm } = &mut format.reading.kind {
+            *nominal_mm = self.bar_of(mounting).length_mm;
+        }
+        format
     }
 
     /// The mountings, at least one.

@@ -55,6 +55,18 @@ impl Analysis {
         self.repeats.iter().flat_map(|repeat| &repeat.runs)
     }
 
+    /// Nominal lengths of the bars of the mountings, each once, in words, mm.
+    pub(super) fn bar_lengths(&self) -> String {
+        let mut lengths: Vec<String> = Vec::new();
+        for mounting in &self.test.mountings {
+            let length = mounting.bar_length_mm.to_string();
+            if !lengths.contains(&length) {
+                lengths.push(length);
+            }
+        }
+        lengths.join(" and ")
+    }
+
     /// A parameter over the repeats.
     pub fn over_repeats(&self, name: &str) -> Option<&MeanResult> {
         self.over_repeats.iter().find(|mean| mean.name == name)
@@ -83,6 +95,8 @@ pub struct MountingFacts {
     pub coincidence_mm: [f64; 3],
     /// Tool ball in the frame of the last slide on the tool side, mm.
     pub tool_ball_mm: [f64; 3],
+    /// Nominal length of the bar, mm.
+    pub bar_length_mm: f64,
 }
 
 /// The machine.
@@ -112,7 +126,7 @@ pub struct Pivots {
 /// The instrument, as the test file states it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BallBarFacts {
-    /// Nominal length, mm.
+    /// Nominal length where a mounting names none of its own, mm.
     pub length_mm: f64,
     /// It reads up to this much either way, mm.
     pub range_mm: f64,

@@ -44,7 +44,6 @@ pub(super) fn work_out(set: &str) -> Identified {
         reading.work_offsets_mm.insert(named.work_offset, named.mounting.coincidence_mm);
     }
     let options = Options {
-        nominal_mm: test.ball_bar().length_mm,
         noise_mm: test.ball_bar().noise_mm,
         clock_tolerance: test.ball_bar().clock_tolerance,
         loss: test.estimation().loss,
@@ -60,12 +59,13 @@ pub(super) fn work_out(set: &str) -> Identified {
                 .map(|run| RunInput {
                     name: run.name.clone(),
                     mounting: run.mounting,
+                    nominal_mm: test.bar_of(run.mounting).length_mm,
                     alignment: align::align(
-                        &log::read(&run.log, test.log_format()).unwrap(),
+                        &log::read(&run.log, &test.log_format_of(run.mounting)).unwrap(),
                         &nc::read_file(&run.program, &reading).unwrap(),
                         &machine,
                         &mountings[run.mounting],
-                        test.ball_bar(),
+                        &test.bar_of(run.mounting),
                         run.feed_override,
                     )
                     .unwrap(),

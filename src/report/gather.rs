@@ -73,6 +73,7 @@ fn test_facts(test: &Test) -> TestFacts {
         name: named.name.clone(),
         coincidence_mm: named.mounting.coincidence_mm.into(),
         tool_ball_mm: named.mounting.tool_ball_mm.into(),
+        bar_length_mm: named.bar_length_mm,
     });
     TestFacts {
         name: test.name().to_owned(),

@@ -119,7 +119,7 @@ fn facts(analysis: &Analysis) -> Vec<(&'static str, String)> {
             "Ball-bar",
             format!(
                 "{} mm, range ± {} mm, resolution {} µm, noise {} µm, clock ± {} ppm, read at {} Hz",
-                bar.length_mm,
+                analysis.bar_lengths(),
                 bar.range_mm,
                 fixed(bar.resolution_um, 2),
                 fixed(bar.noise_um, 3),

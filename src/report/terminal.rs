@@ -55,7 +55,7 @@ pub fn summary(analysis: &Analysis) -> String {
 fn under_title(analysis: &Analysis) -> String {
     let mut parts = vec![
         format!("{} ({})", analysis.machine.name, analysis.machine.topology),
-        format!("bar {} mm", fixed(analysis.ball_bar.length_mm, 0)),
+        format!("bar {} mm", analysis.bar_lengths()),
     ];
     if let Some(strategy) = &analysis.strategy {
         parts.push(format!("strategy {strategy}"));

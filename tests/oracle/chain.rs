@@ -10,7 +10,7 @@ use ballbar::log::{self, Log};
 use ballbar::machine::{Machine, Mounting};
 use ballbar::model::{self, Model};
 use ballbar::nc::{self, Program};
-use ballbar::plan::Test;
+use ballbar::plan::{Run, Test};
 
 use crate::common::repository;
 
@@ -48,7 +48,7 @@ impl Set {
         let mut text = String::new();
         let bytes = std::fs::read(file).unwrap();
         flate2::read::GzDecoder::new(&bytes[..]).read_to_string(&mut text).unwrap();
-        log::read_bytes(edit(&text).as_bytes(), file, self.test.log_format())
+        log::read_bytes(edit(&text).as_bytes(), file, &self.test.log_format_of(0))
     }
 
     pub(crate) fn align(&self, log: &Log, program: &Program) -> Result<Alignment> {
@@ -61,7 +61,17 @@ impl Set {
         let run = &self.test.runs().unwrap()[index];
         let log = self.log(&run.log, str::to_owned).unwrap();
         let alignment = self.align(&log, &self.program(&run.program)).unwrap();
-        RunInput { name: run.name.clone(), mounting: run.mounting, alignment }
+        self.input(run, alignment)
+    }
+
+    /// A run of this set with an alignment.
+    pub(crate) fn input(&self, run: &Run, alignment: Alignment) -> RunInput {
+        RunInput {
+            name: run.name.clone(),
+            mounting: run.mounting,
+            nominal_mm: self.test.bar_of(run.mounting).length_mm,
+            alignment,
+        }
     }
 
     pub(crate) fn model(&self) -> Model<'_> {
@@ -73,7 +83,6 @@ impl Set {
     pub(crate) fn identify(&self, runs: Vec<RunInput>) -> Result<Identification> {
         let (bar, estimation) = (self.test.ball_bar(), self.test.estimation());
         let options = Options {
-            nominal_mm: bar.length_mm,
             noise_mm: bar.noise_mm,
             clock_tolerance: bar.clock_tolerance,
             loss: estimation.loss,

@@ -2,7 +2,7 @@
 
 use ballbar::Result;
 use ballbar::error::{Error, Kind};
-use ballbar::identify::{Identification, RunInput};
+use ballbar::identify::Identification;
 
 use crate::chain::Set;
 use crate::common::repository;
@@ -17,7 +17,8 @@ fn identify(
     let data = repository("tests/data");
     let log = set.log(&data.join(log), edit)?;
     let alignment = set.align(&log, &set.program(&data.join(program)))?;
-    set.identify(vec![RunInput { name: "run".to_owned(), mounting: 0, alignment }])
+    let run = &set.test.runs()?[0];
+    set.identify(vec![set.input(run, alignment)])
 }
 
 /// The log of `hu40t` after an edit that maps or drops each `(line, time, reading)`.
@@ -212,7 +213,7 @@ fn exchanged_planes_are_said_when_the_three_are_identified_together() {
         let inputs = runs.iter().zip(order).map(|(run, log)| {
             let log = set.log(&runs[log].log, str::to_owned).unwrap();
             let alignment = set.align(&log, &set.program(&run.program)).unwrap();
-            RunInput { name: run.name.clone(), mounting: 0, alignment }
+            set.input(run, alignment)
         });
         let found = accepted(&format!("logs {order:?}"), set.identify(inputs.collect()));
         let said = found.cautions.iter().any(|c| c.contains("another program"));

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use ballbar::align::{Place, Sample};
-use ballbar::identify::{Identification, RunInput};
+use ballbar::identify::Identification;
 use ballbar::machine::Pose;
 use ballbar::nc::{self, Action, Move, Program, Step};
 use nalgebra::{Rotation3, Unit, Vector3};
@@ -194,7 +194,7 @@ fn planes(what: &str, edit: impl Fn(Program) -> Program) -> Planes {
     let inputs = runs.iter().map(|run| {
         let log = set.log(&run.log, str::to_owned).unwrap();
         let alignment = set.align(&log, &edit(set.program(&run.program))).unwrap();
-        RunInput { name: run.name.clone(), mounting: run.mounting, alignment }
+        set.input(run, alignment)
     });
     let found = set.identify(inputs.collect()).unwrap();
     let model = set.model();

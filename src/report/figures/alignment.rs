@@ -1,7 +1,7 @@
 //! How the log was laid over the program: the whole log as a strip, and both ends of the engagement.
 
 use super::Figure;
-use crate::align::{Alignment, Mark, MarkKind};
+use crate::align::{Mark, MarkKind};
 use crate::identify::{Identification, RunInput};
 use crate::report::numbers::fixed;
 use crate::report::svg::{Anchor, Drawing, text_width, thinned};
@@ -127,8 +127,9 @@ fn ends(run: &RunInput, analysis: &Analysis) -> Vec<Figure> {
         .collect()
 }
 
-fn commanded_mm(alignment: &Alignment, program_s: f64, length_mm: f64) -> f64 {
-    (alignment.trajectory.at(program_s).position_mm - alignment.coincidence_mm()).norm() - length_mm
+fn commanded_mm(run: &RunInput, program_s: f64) -> f64 {
+    let position_mm = run.alignment.trajectory.at(program_s).position_mm;
+    (position_mm - run.alignment.coincidence_mm()).norm() - run.nominal_mm
 }
 
 fn end(run: &RunInput, mark: &Mark, analysis: &Analysis) -> String {
@@ -137,7 +138,7 @@ fn end(run: &RunInput, mark: &Mark, analysis: &Analysis) -> String {
     let bar = &analysis.ball_bar;
     let leg = map.leg_of(mark.program_s);
     let inwards = if mark.kind == MarkKind::Engagement { 1.0 } else { -1.0 };
-    let commanded = |log_s: f64| commanded_mm(alignment, map.on_leg_s(log_s, leg), bar.length_mm);
+    let commanded = |log_s: f64| commanded_mm(run, map.on_leg_s(log_s, leg));
     // From the mark to where the ramp meets the sphere; a slow feed-in takes longer than a fast one.
     let mut ramp_s = 0.0;
     while ramp_s < 30.0 && commanded(mark.log_s + inwards * ramp_s).abs() > 1e-2 * bar.range_mm {
