@@ -139,6 +139,40 @@ fn a_mounting_may_use_a_bar_of_its_own() {
 }
 
 #[test]
+fn an_arc_may_belong_to_one_mounting_and_be_driven_twice() {
+    let machine = machine("hu40t.toml", 3);
+    let twice = "[[plan.arc]]\nkind = \"equator\"\nname = \"ring\"\nsweep_deg = 90.0\n";
+    let test = test(
+        "[20.0, -35.0, 40.0]",
+        &format!(
+            "{twice}{twice}[[plan.arc]]\nkind = \"meridian\"\nname = \"M\"\nmountings = [\"B\"]\n\
+             [[mounting]]\nname = \"B\"\ncoincidence_mm = [0.0, 0.0, 0.0]\ntool_ball_mm = [0.0, 0.0, -200.0]"
+        ),
+    );
+    let names = |mounting: usize| -> Vec<String> {
+        let path = Path::plan(&test, &machine, mounting).unwrap();
+        path.arcs.into_iter().map(|(arc, _)| arc.name).filter(|name| name != "TRANSIT").collect()
+    };
+    let ring = ["RING FORWARD", "RING BACKWARD", "RING 2 FORWARD", "RING 2 BACKWARD"];
+    assert_eq!(names(0), ring);
+    assert_eq!(names(1)[..4], ring);
+    assert_eq!(names(1)[4..], ["M FORWARD", "M BACKWARD"]);
+}
+
+#[test]
+fn a_mounting_without_an_arc_is_told_by_its_name() {
+    let test = test(
+        "[20.0, -35.0, 40.0]",
+        "[[plan.arc]]\nkind = \"equator\"\nmountings = [\"B\"]\n\
+         [[mounting]]\nname = \"B\"\ncoincidence_mm = [0.0, 0.0, 0.0]\ntool_ball_mm = [0.0, 0.0, -200.0]",
+    );
+    let error = Path::plan(&test, &machine("hu40t.toml", 3), 0).unwrap_err();
+    assert!(error.what.contains("no arc for the mounting `A`"), "{error}");
+    assert!(error.hint.unwrap().contains("\"A\""));
+    assert!(Path::plan(&test, &machine("hu40t.toml", 3), 1).is_ok());
+}
+
+#[test]
 fn stops_between_arcs_replace_the_dwells() {
     let machine = machine("hu40t.toml", 3);
     let test = test("[20.0, -35.0, 40.0]", "strategy = \"2d\"\nstop_between_arcs = true");

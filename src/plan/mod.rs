@@ -8,10 +8,12 @@ pub mod log_format;
 mod path;
 mod raw;
 mod raw_arc;
+mod raw_mounting;
 mod strategy;
 mod test_file;
 
 pub use arc::Arc;
 pub use path::{Path, Step};
 pub use strategy::Strategy;
+use test_file::FreeArc;
 pub use test_file::{BallBar, Estimation, Loss, NamedMounting, PathPlan, Run, Test};

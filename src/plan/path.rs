@@ -3,7 +3,7 @@
 use nalgebra::{UnitVector3, Vector3};
 
 use super::{Arc, PathPlan, Test};
-use crate::error::{Error, Result};
+use crate::error::{Error, Place, Result};
 use crate::machine::Machine;
 
 /// One step of the path. Positions are vectors from the workpiece ball to the tool ball, mm.
@@ -49,7 +49,7 @@ impl Path {
         let length_mm = test.bar_of(mounting).length_mm;
         let mut path = Self { mounting, steps: Vec::new(), arcs: Vec::new() };
         let mut at: Option<UnitVector3<f64>> = None;
-        for arc in plan.arcs() {
+        for arc in plan.arcs(mounting) {
             let (forward, backward) = directions_of_travel(&arc);
             for (index, leg) in [arc.reversed(&backward), Arc { name: forward, ..arc.clone() }]
                 .iter()
@@ -68,9 +68,12 @@ impl Path {
             }
         }
         let Some(end) = at else {
-            return Err(
-                Error::input("the plan has no arcs").hint("give a strategy or `[[plan.arc]]`")
-            );
+            let name = test.mountings().get(mounting).map_or("", |named| named.name.as_str());
+            return Err(Error::input(format!("the plan has no arc for the mounting `{name}`"))
+                .at(Place::file(test.file()))
+                .hint(format!(
+                    "give a strategy, or add \"{name}\" to the `mountings` of a `[[plan.arc]]`"
+                )));
         };
         path.pause(plan);
         path.steps.push(Step::Comment("RELEASE".into()));
@@ -157,7 +160,7 @@ impl Path {
         for point in self.points() {
             machine.axis_positions_mm(&mounting.mounting, point).map_err(|mut error| {
                 error.what = format!("mounting `{}`: {}", mounting.name, error.what);
-                error.at(crate::error::Place::file(test.file()))
+                error.at(Place::file(test.file()))
             })?;
         }
         Ok(())

@@ -7,9 +7,9 @@ use toml::Spanned;
 
 use super::log_format::{Format, LengthUnit, ReadingColumn, ReadingKind, TimeColumn, TimeUnit};
 use super::raw_arc::RawArc;
-use super::{Arc, BallBar, Estimation, Loss, NamedMounting, PathPlan, Run, Strategy};
-use crate::error::{Error, Place, Result};
-use crate::machine::Mounting;
+use super::raw_mounting::{RawMounting, check_length, mounting_index};
+use super::{BallBar, Estimation, FreeArc, Loss, NamedMounting, PathPlan, Run, Strategy};
+use crate::error::{Error, Result};
 use crate::model;
 use crate::toml_text::Text;
 
@@ -73,80 +73,6 @@ impl RawBallBar {
             clock_tolerance: or(self.clock_ppm, "clock_ppm", 100.0)? * 1e-6,
         })
     }
-}
-
-/// A bar is longer than what it reads either way.
-fn check_length(length_mm: f64, range_mm: f64, place: Place) -> Result<()> {
-    if length_mm > range_mm {
-        return Ok(());
-    }
-    Err(Error::input(format!("a bar of {length_mm} mm cannot read {range_mm} mm either way"))
-        .at(place)
-        .hint("give the nominal length between the centres of the two balls"))
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct RawMounting {
-    name: Spanned<String>,
-    coincidence_mm: Spanned<[f64; 3]>,
-    tool_ball_mm: Spanned<[f64; 3]>,
-    work_offset: Option<Spanned<String>>,
-    bar_length_mm: Option<Spanned<f64>>,
-}
-
-pub(super) fn check_mountings(
-    raw: &[RawMounting],
-    bar: &BallBar,
-    text: &Text<'_>,
-) -> Result<Vec<NamedMounting>> {
-    let mut mountings: Vec<NamedMounting> = Vec::new();
-    for entry in raw {
-        let name = entry.name.get_ref().clone();
-        if name.is_empty() || mountings.iter().any(|mounting| mounting.name == name) {
-            return Err(Error::input(format!(
-                "there is another mounting `{name}`, or the name is empty"
-            ))
-            .at(text.place(entry.name.span()))
-            .hint("give every mounting its own name"));
-        }
-        let work_offset = match &entry.work_offset {
-            None => 54,
-            Some(written) => written
-                .get_ref()
-                .strip_prefix('G')
-                .and_then(|number| number.parse().ok())
-                .filter(|number| (54..=59).contains(number))
-                .ok_or_else(|| {
-                    Error::input(format!("`{}` is not a work offset", written.get_ref()))
-                        .at(text.place(written.span()))
-                        .hint("write one of `G54` to `G59`")
-                })?,
-        };
-        let bar_length_mm = match &entry.bar_length_mm {
-            None => bar.length_mm,
-            Some(length) => {
-                let length_mm = text.positive(length, "bar_length_mm")?;
-                check_length(length_mm, bar.range_mm, text.place(length.span()))?;
-                length_mm
-            }
-        };
-        mountings.push(NamedMounting {
-            name,
-            mounting: Mounting {
-                coincidence_mm: text.finite_vector(&entry.coincidence_mm, "coincidence_mm")?,
-                tool_ball_mm: text.finite_vector(&entry.tool_ball_mm, "tool_ball_mm")?,
-            },
-            work_offset,
-            bar_length_mm,
-        });
-    }
-    if mountings.is_empty() {
-        return Err(Error::input("the test has no mounting").at(Place::file(text.file)).hint(
-            "add `[[mounting]]` with the machine coordinates at which both ball centres coincide",
-        ));
-    }
-    Ok(mountings)
 }
 
 #[derive(Deserialize, Default)]
@@ -225,7 +151,7 @@ impl RawPlan {
     pub(super) fn check(
         self,
         bar: &BallBar,
-        mountings: usize,
+        mountings: &[NamedMounting],
         text: &Text<'_>,
     ) -> Result<PathPlan> {
         let within =
@@ -243,11 +169,11 @@ impl RawPlan {
                     ))
             })?),
         };
-        let free_arcs: Vec<Arc> = self
+        let free_arcs: Vec<FreeArc> = self
             .arc
             .iter()
             .enumerate()
-            .map(|(index, arc)| arc.get_ref().check(index, &text.place(arc.span())))
+            .map(|(index, arc)| arc.get_ref().check(index, arc.span(), mountings, text))
             .collect::<Result<_>>()?;
         if strategy.is_none() && free_arcs.is_empty() {
             return Err(Error::input("the plan has neither a strategy nor arcs")
@@ -265,7 +191,7 @@ impl RawPlan {
         }
         let program_number = self.program_number.as_ref().map_or(1001, |number| *number.get_ref());
         // Every mounting has a program of its own.
-        let last = program_number.saturating_add(mountings as u32 - 1);
+        let last = program_number.saturating_add(mountings.len() as u32 - 1);
         if let Some(given) = self.program_number.filter(|n| *n.get_ref() < 1 || last > 7999) {
             let numbers = if last == program_number {
                 format!("program number {program_number}")
@@ -337,15 +263,7 @@ impl RawRun {
     ) -> Result<Run> {
         let mounting = match &self.mounting {
             None => 0,
-            Some(name) => mountings
-                .iter()
-                .position(|mounting| mounting.name == *name.get_ref())
-                .ok_or_else(|| {
-                    let names: Vec<&str> = mountings.iter().map(|m| m.name.as_str()).collect();
-                    Error::input(format!("there is no mounting `{}`", name.get_ref()))
-                        .at(text.place(name.span()))
-                        .hint(format!("the mountings are `{}`", names.join("`, `")))
-                })?,
+            Some(name) => mounting_index(name, mountings, text)?,
         };
         let percent = match &self.feed_override_percent {
             None => 100.0,

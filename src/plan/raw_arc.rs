@@ -1,12 +1,16 @@
 //! A free arc as a test file writes it.
 
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use nalgebra::{Unit, UnitVector3, Vector3};
 use serde::Deserialize;
+use toml::Spanned;
 
-use super::Arc;
-use crate::error::{Error, Place, Result};
+use super::raw_mounting::mounting_index;
+use super::{Arc, FreeArc, NamedMounting};
+use crate::error::{Error, Result};
+use crate::toml_text::Text;
 
 #[derive(Deserialize, Clone, Copy, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
@@ -29,11 +33,19 @@ pub(super) struct RawArc {
     sweep_deg: Option<f64>,
     start: Option<[f64; 3]>,
     normal: Option<[f64; 3]>,
+    mountings: Option<Spanned<Vec<Spanned<String>>>>,
 }
 
 impl RawArc {
-    /// Checks one free arc; `place` is its table in the file.
-    pub(super) fn check(&self, index: usize, place: &Place) -> Result<Arc> {
+    /// Checks the free arc of an index; `span` is its table in the file.
+    pub(super) fn check(
+        &self,
+        index: usize,
+        span: Range<usize>,
+        mountings: &[NamedMounting],
+        text: &Text<'_>,
+    ) -> Result<FreeArc> {
+        let place = text.place(span);
         let wrong = |what: &str, hint: &str| {
             Err(Error::input(format!("arc {}: {what}", index + 1)).at(place.clone()).hint(hint))
         };
@@ -102,6 +114,19 @@ impl RawArc {
         if arc.sweep_rad.abs() > 2.0 * PI + 1e-9 {
             return wrong("it sweeps more than one turn", "give at most 360 degrees");
         }
-        Ok(arc)
+        Ok(FreeArc { arc, mountings: self.check_mountings(mountings, text)? })
+    }
+
+    /// Indices of the mountings that drive it.
+    fn check_mountings(&self, known: &[NamedMounting], text: &Text<'_>) -> Result<Vec<usize>> {
+        let Some(written) = &self.mountings else {
+            return Ok((0..known.len()).collect());
+        };
+        if written.get_ref().is_empty() {
+            return Err(Error::input("an arc of no mounting is never driven")
+                .at(text.place(written.span()))
+                .hint("leave `mountings` out to drive it in every mounting"));
+        }
+        written.get_ref().iter().map(|name| mounting_index(name, known, text)).collect()
     }
 }

@@ -7,7 +7,8 @@ use serde::Deserialize;
 use sha2::{Digest, Sha256};
 
 use super::log_format::{Format, ReadingKind};
-use super::raw::{RawTest, check_mountings};
+use super::raw::RawTest;
+use super::raw_mounting::check_mountings;
 use super::{Arc, Strategy};
 use crate::error::{Error, Place, Result};
 use crate::machine::{Machine, Mounting};
@@ -48,11 +49,18 @@ pub struct NamedMounting {
     pub bar_length_mm: f64,
 }
 
+/// An arc of a test file, and the mountings, by their indices, that drive it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct FreeArc {
+    pub(super) arc: Arc,
+    pub(super) mountings: Vec<usize>,
+}
+
 /// How the path is driven.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathPlan {
     pub(super) strategy: Option<Strategy>,
-    pub(super) free_arcs: Vec<Arc>,
+    pub(super) free_arcs: Vec<FreeArc>,
     /// Feed on the arcs, mm/s.
     pub feed_mm_s: f64,
     /// Largest sagitta of a chord, mm.
@@ -72,10 +80,21 @@ pub struct PathPlan {
 }
 
 impl PathPlan {
-    /// The arcs in forward sense: those of the strategy, then the free ones.
-    pub fn arcs(&self) -> Vec<Arc> {
-        let mut arcs = self.strategy.map_or_else(Vec::new, Strategy::arcs);
-        arcs.extend_from_slice(&self.free_arcs);
+    /// The arcs of a mounting, by its index, in forward sense: those of the strategy, then the free ones.
+    ///
+    /// An arc that is listed again has a number behind its name: program and report tell the two apart.
+    pub fn arcs(&self, mounting: usize) -> Vec<Arc> {
+        let free = self.free_arcs.iter().filter(|free| free.mountings.contains(&mounting));
+        let of_strategy = self.strategy.map_or_else(Vec::new, Strategy::arcs);
+        let mut arcs: Vec<Arc> = Vec::new();
+        for mut arc in of_strategy.into_iter().chain(free.map(|free| free.arc.clone())) {
+            let taken = |name: &str| arcs.iter().any(|before| before.name == name);
+            if taken(&arc.name) {
+                let mut numbered = (2..).map(|pass| format!("{} {pass}", arc.name));
+                arc.name = numbered.find(|name| !taken(name)).unwrap_or_default();
+            }
+            arcs.push(arc);
+        }
         arcs
     }
 
@@ -157,8 +176,7 @@ impl Test {
         let ball_bar = raw.ball_bar.check(&raw.log, &text)?;
         let log_format = raw.log.check(ball_bar.length_mm, &text)?;
         let mountings = check_mountings(&raw.mounting, &ball_bar, &text)?;
-        let plan =
-            raw.plan.map(|plan| plan.check(&ball_bar, mountings.len(), &text)).transpose()?;
+        let plan = raw.plan.map(|plan| plan.check(&ball_bar, &mountings, &text)).transpose()?;
         let mut runs = Vec::new();
         for run in raw.run {
             let run = run.check(&runs, &mountings, &beside, &text)?;

@@ -65,6 +65,14 @@ fn wrong_keys_and_values_in_a_test_file() {
             "does not belong to this kind of arc",
         ),
         (
+            format!("{plan}[[plan.arc]]\nkind = \"equator\"\nmountings = [\"A\", \"B\"]\n"),
+            "there is no mounting `B`",
+        ),
+        (
+            format!("{plan}[[plan.arc]]\nkind = \"equator\"\nmountings = []\n"),
+            "an arc of no mounting is never driven",
+        ),
+        (
             format!("{plan}[[run]]\nprogram = \"p\"\nlog = \"l\"\nmounting = \"B\"\n"),
             "there is no mounting `B`",
         ),
