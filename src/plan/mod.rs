@@ -5,6 +5,7 @@
 
 mod arc;
 pub mod log_format;
+mod operator;
 mod path;
 mod raw;
 mod raw_arc;
@@ -13,6 +14,7 @@ mod strategy;
 mod test_file;
 
 pub use arc::Arc;
+pub use operator::Operator;
 pub use path::{Path, Step};
 pub use strategy::Strategy;
 use test_file::FreeArc;

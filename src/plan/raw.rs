@@ -6,6 +6,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::log_format::{Format, LengthUnit, ReadingColumn, ReadingKind, TimeColumn, TimeUnit};
+use super::operator::RawOperator;
 use super::raw_arc::RawArc;
 use super::raw_mounting::{RawMounting, check_length, mounting_index};
 use super::{BallBar, Estimation, FreeArc, Loss, NamedMounting, PathPlan, Run, Strategy};
@@ -23,6 +24,8 @@ pub(super) struct RawTest {
     pub(super) log: RawLog,
     pub(super) mounting: Vec<RawMounting>,
     pub(super) plan: Option<RawPlan>,
+    #[serde(default)]
+    pub(super) operator: RawOperator,
     #[serde(default)]
     pub(super) identify: RawEstimation,
     #[serde(default)]

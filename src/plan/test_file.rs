@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 use super::log_format::{Format, ReadingKind};
 use super::raw::RawTest;
 use super::raw_mounting::check_mountings;
-use super::{Arc, Strategy};
+use super::{Arc, Operator, Strategy};
 use crate::error::{Error, Place, Result};
 use crate::machine::{Machine, Mounting};
 use crate::toml_text::{self, Text};
@@ -158,6 +158,7 @@ pub struct Test {
     log_format: Format,
     mountings: Vec<NamedMounting>,
     plan: Option<PathPlan>,
+    operator: Operator,
     estimation: Estimation,
     runs: Vec<Run>,
 }
@@ -191,6 +192,7 @@ impl Test {
             log_format,
             mountings,
             plan,
+            operator: raw.operator.check(&text)?,
             estimation: raw.identify.check(&text)?,
             runs,
         })
@@ -254,6 +256,11 @@ impl Test {
                 .at(Place::file(&self.file))
                 .hint("add `[plan]` with `strategy = \"3d6\"` and `feed_mm_min = 500.0`")
         })
+    }
+
+    /// What the time of the test assumes of its operator.
+    pub fn operator(&self) -> &Operator {
+        &self.operator
     }
 
     /// What the identification does.
