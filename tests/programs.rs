@@ -8,7 +8,7 @@ use ballbar::machine::Machine;
 use ballbar::motion::Trajectory;
 use ballbar::nc;
 use ballbar::plan::log_format::ReadingKind;
-use ballbar::plan::{Path, Test};
+use ballbar::plan::{Part, Path, Test};
 
 fn machine(name: &str, decimals: usize) -> Machine {
     let file = FilePath::new(env!("CARGO_MANIFEST_DIR")).join("machines").join(name);
@@ -170,6 +170,49 @@ fn a_mounting_without_an_arc_is_told_by_its_name() {
     assert!(error.what.contains("no arc for the mounting `A`"), "{error}");
     assert!(error.hint.unwrap().contains("\"A\""));
     assert!(Path::plan(&test, &machine("hu40t.toml", 3), 1).is_ok());
+}
+
+#[test]
+fn the_least_clearance_is_where_the_tool_comes_round_the_end_of_the_post() {
+    let file = FilePath::new(env!("CARGO_MANIFEST_DIR")).join("machines/hu40t.toml");
+    let source = std::fs::read_to_string(&file).unwrap();
+    let test = test("[20.0, -35.0, 40.0]", "strategy = \"2d\"");
+    let least = |source: &str| {
+        let machine = Machine::parse(source, &file).unwrap();
+        Path::plan(&test, &machine, 0).unwrap().least_clearance(&machine)
+    };
+    // A post against the tool axis is nearest on the equator: 150 mm less both radii.
+    let found = least(&source).unwrap();
+    assert!((found.clearance_mm - 127.5).abs() < 0.05, "{found:?}");
+    assert_eq!(found.part, Part::Tool);
+    assert!(found.ball_mm.z.abs() < 1e-9, "{found:?}");
+
+    // A post towards -Y, 80 mm long: on the equator the tool, 10 mm in radius, comes round its rim,
+    // 12.5 mm beside its axis.
+    let found = least(&source.replace("\"-Z\"", "\"-Y\"")).unwrap();
+    let over = |degrees: f64| {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        (150.0 * cos - 80.0).hypot((150.0 * sin - 12.5).max(0.0)) - 10.0
+    };
+    let expected_mm = (0..900).map(|k| over(f64::from(k) * 0.1)).fold(f64::INFINITY, f64::min);
+    assert!((found.clearance_mm - expected_mm).abs() < 0.05, "{expected_mm}: {found:?}");
+    assert_eq!((found.part, found.section.as_str()), (Part::Tool, "EQUATOR CCW"));
+    assert!((found.ball_mm.norm() - 150.0).abs() < 0.01 && found.ball_mm.y < -140.0, "{found:?}");
+
+    let all = self::test("[20.0, -35.0, 40.0]", "strategy = \"3d6\"");
+    for direction in ["\"-Z\"", "\"-Y\""] {
+        let machine = Machine::parse(&source.replace("\"-Z\"", direction), &file).unwrap();
+        let path = Path::plan(&all, &machine, 0).unwrap();
+        let began = std::time::Instant::now();
+        let found = path.least_clearance(&machine).unwrap();
+        println!("3d6 in {:?}: {found:?}", began.elapsed());
+    }
+
+    // A wide nose close behind the ball is nearer than the tool.
+    let close = source.replace("length_mm = 120.0", "length_mm = 20.0");
+    let found = least(&close.replace("\"-Z\"", "\"-Y\"")).unwrap();
+    assert_eq!(found.part, Part::SpindleNose);
+    assert!(least(&source[..source.find("[clearance.support]").unwrap()]).is_none());
 }
 
 #[test]

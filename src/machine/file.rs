@@ -7,7 +7,8 @@ use nalgebra::Vector3;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::{Axis, Topology};
+use super::clearance::RawClearance;
+use super::{Axis, Clearance, Topology};
 use crate::error::{Error, Place, Result};
 use crate::toml_text::{self, Text};
 
@@ -68,6 +69,7 @@ pub struct Machine {
     topology: Topology,
     slides: [Slide; 3],
     controller: Controller,
+    clearance: Clearance,
 }
 
 impl Machine {
@@ -91,7 +93,15 @@ impl Machine {
             raw.axes.z.check(Axis::Z, &text)?,
         ];
         let controller = raw.controller.check(&text)?;
-        Ok(Self { name: raw.name, file: file.to_path_buf(), topology, slides, controller })
+        let clearance = raw.clearance.check(&text)?;
+        Ok(Self {
+            name: raw.name,
+            file: file.to_path_buf(),
+            topology,
+            slides,
+            controller,
+            clearance,
+        })
     }
 
     /// The name.
@@ -119,6 +129,11 @@ impl Machine {
         &self.controller
     }
 
+    /// The bodies behind the balls.
+    pub fn clearance(&self) -> &Clearance {
+        &self.clearance
+    }
+
     /// The same machine with the pivot of one slide moved.
     #[must_use]
     pub fn with_pivot(mut self, axis: Axis, pivot: Pivot) -> Self {
@@ -135,6 +150,8 @@ struct RawMachine {
     axes: RawAxes,
     #[serde(default)]
     controller: RawController,
+    #[serde(default)]
+    clearance: RawClearance,
 }
 
 #[derive(Deserialize)]

@@ -13,11 +13,13 @@
 
 mod axis;
 mod chain;
+mod clearance;
 mod file;
 mod inverse;
 mod topology;
 
 pub use axis::Axis;
 pub use chain::{ChainErrors, Mounting, Pose, SlideError};
+pub use clearance::{Clearance, Cylinder};
 pub use file::{Controller, Machine, Pivot, Slide};
 pub use topology::{Side, Topology};

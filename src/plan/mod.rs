@@ -4,6 +4,7 @@
 //! on the sphere: polar angle from the tool axis Z, azimuth from X towards Y.
 
 mod arc;
+mod clearance;
 pub mod log_format;
 mod operator;
 mod path;
@@ -14,6 +15,7 @@ mod strategy;
 mod test_file;
 
 pub use arc::Arc;
+pub use clearance::{LeastClearance, Part};
 pub use operator::Operator;
 pub use path::{Path, Step};
 pub use strategy::Strategy;

@@ -25,6 +25,17 @@ pub enum Step {
     LookAhead(bool),
 }
 
+impl Step {
+    /// The points that it names, in order.
+    pub fn points(&self) -> &[Vector3<f64>] {
+        match self {
+            Self::Rapid(point) | Self::Feed(point) => std::slice::from_ref(point),
+            Self::Chords(points) => points,
+            _ => &[],
+        }
+    }
+}
+
 /// The path of one mounting.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Path {
@@ -148,11 +159,7 @@ impl Path {
 
     /// Every point that the path names, in order.
     pub fn points(&self) -> impl Iterator<Item = &Vector3<f64>> {
-        self.steps.iter().flat_map(|step| match step {
-            Step::Rapid(point) | Step::Feed(point) => std::slice::from_ref(point),
-            Step::Chords(points) => points,
-            _ => &[],
-        })
+        self.steps.iter().flat_map(Step::points)
     }
 
     fn check_travel(&self, test: &Test, machine: &Machine) -> Result<()> {

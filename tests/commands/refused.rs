@@ -38,6 +38,8 @@ fn impossible_values_in_a_machine_file() {
         ("rapid_mm_min = 15000.0", "rapid_mm_min = nan", "must be a positive number, got `NaN`"),
         ("pivot = \"carriage\"", "pivot = \"table\"", "unknown variant `table`"),
         ("decimals = 3", "decimals = 17", "cannot have 17 decimals"),
+        ("direction = \"-Z\"", "direction = \"up\"", "`up` is not a direction"),
+        ("diameter_mm = 20.0", "diameter_mm = 0.0", "`diameter_mm` must be a positive number"),
         ("dialect = \"fanuc\"", "dialect = \"sinumerik\"", "unknown dialect `sinumerik`"),
         ("look_ahead_on = \"\"", "look_ahead_on = \"G05.1 Q1\\nM30\"", "is not a block"),
     ] {
