@@ -53,12 +53,7 @@ impl Bench {
         let alignment = align::align(&log, program, machine, mounting, self.bar(), 1.0)?;
         let terms = model::terms(&["observable35".to_owned()], &["A".to_owned()]).unwrap();
         let model = Model::new(machine, vec![*mounting], terms);
-        let options = Options {
-            noise_mm: self.bar().noise_mm,
-            clock_tolerance: self.bar().clock_tolerance,
-            loss: self.test.estimation().loss,
-            minimum_norm: false,
-        };
+        let options = Options::of(&self.test);
         let input = RunInput {
             name: "run1".to_owned(),
             mounting: 0,
@@ -204,13 +199,7 @@ fn the_foretold_sigma_is_the_scatter_of_simulated_tests() {
             .unwrap();
     let terms = model::terms(&["observable35".to_owned()], &["A".to_owned()]).unwrap();
     let model = Model::new(&bench.machine, vec![bench.mounting], terms);
-    let options = Options {
-        nominal_mm: bar.length_mm,
-        noise_mm: bar.noise_mm,
-        clock_tolerance: bar.clock_tolerance,
-        loss: bench.test.estimation().loss,
-        minimum_norm: false,
-    };
+    let options = Options { noise_mm: bar.noise_mm, ..Options::of(&bench.test) };
     let noise = identify::stated_noise(&bar);
     let foretold = identify::predict(&model, vec![input], &options, &noise).unwrap();
     let count = std::env::var("BALLBAR_SIMULATIONS").map_or(300, |n| n.parse().unwrap());

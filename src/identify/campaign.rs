@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::{Identification, Options, RunInput, identify};
+use super::{Identification, Options, RunInput, explicit_terms, identify};
 use crate::align;
 use crate::error::Result;
 use crate::log;
-use crate::machine::Machine;
+use crate::machine::{Machine, Mounting};
 use crate::model::{self, Model};
 use crate::nc;
 use crate::plan::{Run, Test};
@@ -49,21 +49,26 @@ pub fn campaign(
     for run in test.runs()? {
         repeats.entry(run.repeat).or_default().push(run);
     }
-    let (bar, estimation) = (test.ball_bar(), test.estimation());
-    let options = Options {
-        noise_mm: bar.noise_mm,
-        clock_tolerance: bar.clock_tolerance,
-        loss: estimation.loss,
-        minimum_norm: estimation.minimum_norm,
-    };
+    let options = Options::of(test);
     let repeats: Vec<Vec<&Run>> = repeats.into_values().collect();
-    let results: Vec<Result<Identification>> = repeats
+    let aligned: Vec<Result<Vec<RunInput>>> = repeats
         .par_iter()
-        .map(|runs| {
-            let inputs =
-                runs.iter().map(|run| align_run(test, machine, run)).collect::<Result<Vec<_>>>()?;
+        .map(|runs| runs.iter().map(|run| align_run(test, machine, run)).collect())
+        .collect();
+    let mut aligned = aligned.into_iter().collect::<Result<Vec<_>>>()?;
+    // One set of terms for all, or they would have no mean: that of the first repeat.
+    let mut terms = test.estimation().terms.clone();
+    if let Some(first) = aligned.first_mut() {
+        let mountings: Vec<(String, Mounting)> =
+            test.mountings().iter().map(|m| (m.name.clone(), m.mounting)).collect();
+        let runs = std::mem::take(first);
+        (terms, *first) = explicit_terms(&terms, machine, &mountings, runs, &options)?;
+    }
+    let results: Vec<Result<Identification>> = aligned
+        .into_par_iter()
+        .map(|inputs| {
             let mountings = test.mountings().iter().map(|m| m.mounting).collect();
-            let model = Model::new(machine, mountings, model::terms(&estimation.terms, &names)?);
+            let model = Model::new(machine, mountings, model::terms(&terms, &names)?);
             let result = identify(&model, inputs, &options);
             finished();
             result

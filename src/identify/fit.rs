@@ -7,7 +7,7 @@ use super::{timing, words};
 use crate::align::{Alignment, Place, TimeMap};
 use crate::error::{Error, Kind, Result};
 use crate::model::Model;
-use crate::plan::Loss;
+use crate::plan::{Loss, Test};
 use crate::solve::{self, Matrix, Solution, Spectrum, Triangle, Truncation, Tsqr};
 
 /// A direction is observed when a combination of errors of this size each (rms over the measured
@@ -41,6 +41,18 @@ pub struct Options {
     pub loss: Loss,
     /// Of all solutions of a rank-deficient problem take the shortest, instead of refusing.
     pub minimum_norm: bool,
+}
+
+impl Options {
+    /// What a test file says.
+    pub fn of(test: &Test) -> Self {
+        Self {
+            noise_mm: test.ball_bar().noise_mm,
+            clock_tolerance: test.ball_bar().clock_tolerance,
+            loss: test.estimation().loss,
+            minimum_norm: test.estimation().minimum_norm,
+        }
+    }
 }
 
 /// One run that takes part.

@@ -20,6 +20,7 @@
 mod campaign;
 mod cautions;
 mod columns;
+mod complete;
 mod fit;
 mod observability;
 mod paper;
@@ -37,11 +38,12 @@ mod uncertainty;
 mod words;
 
 pub use campaign::{align_run, campaign};
+pub use complete::{count, explicit_terms, order_of};
 pub use fit::{Options, RunInput, SEEN_UM, identify};
 pub use observability::{Gather, POINTS, POSES, Seen, Sight, TOLERANCE, ideal_poses};
 pub use paper::{Comparison, Geometry, MountingRow, Row, StrategyRows};
 pub use paper_search::{Found, FoundVolume, Nearest, search, search_steps};
-pub use prediction::{Prediction, complete, predict, rehearse, stated_noise};
+pub use prediction::{Prediction, predict, predict_with_prior, rehearse, stated_noise};
 pub use preference::preference;
 pub use remedies::{Driven, remedies};
 pub use repeats::{Repeat, repeats};

@@ -22,7 +22,7 @@ use crate::model::{Model, Parameter};
 use crate::nc::Program;
 use crate::plan::{BallBar, NamedMounting};
 use crate::simulate::{self, Pauses, Scenario};
-use crate::solve::{self, Matrix, NoiseModel, NullDirection, Truncation};
+use crate::solve::{self, Matrix, NoiseModel, NullDirection, Truncation, Tsqr};
 
 /// What a pause's place in time is known to at the least before the fit, s; the fit does better.
 const PAUSE_SIGMA_S: f64 = 0.02;
@@ -57,7 +57,8 @@ pub fn rehearse(
     }
     map.rate = 0.0;
     alignment.place_samples();
-    Ok(RunInput { name: named.name.clone(), mounting: index, alignment })
+    let nominal_mm = bar.length_mm;
+    Ok(RunInput { name: named.name.clone(), mounting: index, nominal_mm, alignment })
 }
 
 /// The noise that a test file states: white, correlated (`correlated² · exp(-t / correlation)`), and the
@@ -150,31 +151,40 @@ pub fn predict(
     })
 }
 
-/// Of the parameters of a model those that these runs, rehearsed or measured, tell apart through the
-/// noise, chosen in the order of `names`; a set-up error stands for those of all mountings.
-pub fn complete(
+/// What a test will know of parameters of which something is known beforehand.
+///
+/// With the prior `x_k = 0 ± prior_k` the estimate has the error covariance
+/// `G J'SJ G + G P G`, `G = (J'J + P)^-1`, `P = diag(1 / prior_k²)` in units of the noise: the first part
+/// comes from the noise, the second is what the test leaves as unknown as it was. Returned in this
+/// order, in the units of the parameters, squared.
+pub fn predict_with_prior(
     model: &Model,
     runs: Vec<RunInput>,
     options: &Options,
-    names: &[String],
-) -> Result<(Vec<String>, Vec<RunInput>)> {
-    let noise = NoiseModel::white(options.noise_mm);
-    let fit = rehearsed_fit(model, runs, options, &noise)?;
-    let triangle = fit.triangle()?;
-    let bare = |k: usize| model.parameters()[k].name.split('@').next();
-    let of_name =
-        |name: &str| (0..model.parameters().len()).filter(|&k| bare(k) == Some(name)).collect();
-    // Nobody asks whether to estimate the times: they come first.
-    let times = fit.columns.coefficients..fit.columns.total;
-    let order: Vec<usize> =
-        times.chain(names.iter().flat_map(|name| -> Vec<usize> { of_name(name) })).collect();
-    let floor = Truncation::Effect(fit.floor(triangle.rows()));
-    let choice = triangle.choose(&order, &fit.references(&triangle), floor)?;
-    let kept = choice.kept.iter().filter_map(|&k| model.parameters().get(k));
-    Ok((kept.map(|parameter| parameter.name.clone()).collect(), fit.runs))
+    noise: &NoiseModel,
+    priors: &[f64],
+) -> Result<[Matrix; 2]> {
+    let fit = rehearsed_fit(model, runs, options, noise)?;
+    let total = fit.columns.total;
+    let mut prior = Tsqr::new(total);
+    for (column, &sigma) in priors.iter().enumerate() {
+        prior.push_prior(column, 0.0, sigma);
+    }
+    let prior = prior.finish()?;
+    let mut rows = Tsqr::new(total);
+    rows.push_triangle(&fit.triangle()?);
+    rows.push_triangle(&prior);
+    // The priors leave no direction undetermined but times that no sample hangs on.
+    let solution = fit.spectrum(&rows.finish()?)?.solve(Truncation::Relative(f64::EPSILON));
+    let filtered = fit.filtered(&fit.records(), noise)?;
+    let count = fit.columns.coefficients;
+    Ok([filtered, prior].map(|middle| {
+        let covariance = solution.covariance_sandwich(&middle);
+        Matrix::from_fn(count, count, |i, k| covariance[(i, k)])
+    }))
 }
 
-fn rehearsed_fit<'a>(
+pub(super) fn rehearsed_fit<'a>(
     model: &'a Model,
     runs: Vec<RunInput>,
     options: &'a Options,

@@ -18,5 +18,5 @@ mod term;
 pub use coefficient::{Ball, Coefficient, Component, Power, SetUp};
 pub use functions::ErrorFunctions;
 pub use jacobian::{Situation, SlideGradient};
-pub use sets::{NAMED_SETS, coefficients, terms};
+pub use sets::{COMPLETE, NAMED_SETS, coefficients, terms};
 pub use term::{Model, Parameter, Term};

@@ -4,8 +4,15 @@ use super::term::SetUpTerm;
 use super::{Ball, Coefficient, SetUp, Term};
 use crate::error::{Error, Result};
 
+/// The set that is chosen by what a test can see; as a list of names it stands for all.
+pub const COMPLETE: &str = "complete";
+
 /// The sets that have a name, with what they are.
-pub const NAMED_SETS: [(&str, &str); 5] = [
+pub const NAMED_SETS: [(&str, &str); 6] = [
+    (
+        COMPLETE,
+        "the largest set that the test can tell apart, on this machine and in these mountings; terms named beside it are preferred to others",
+    ),
     (
         "paper37",
         "the 37 coefficients and 3 set-up errors of the paper's Table 5; full rank only with the pivot of X on the base",
@@ -52,7 +59,7 @@ pub fn coefficients(set: &str) -> Option<Vec<Coefficient>> {
             parse_all(SHARED).into_iter().filter(|c| !meridians.contains(c)).collect()
         }
         "volume53" => parse_all(&[SHARED, NEEDS_MOUNTINGS].join(" ")),
-        "all" => Coefficient::all().collect(),
+        "all" | COMPLETE => Coefficient::all().collect(),
         _ => return None,
     };
     of_set.sort();
@@ -63,17 +70,26 @@ pub fn coefficients(set: &str) -> Option<Vec<Coefficient>> {
 ///
 /// Each entry is the name of a set, of a coefficient or of a set-up error; `-NAME` leaves one out
 /// again. A named set brings the set-up errors of the tool ball, `all` also those of the workpiece
-/// ball. `mountings` names the mountings; each has set-up errors of its own.
+/// ball. `mountings` names the mountings; each has set-up errors of its own, and `EXt@A` is the one of
+/// mounting `A` alone.
 ///
 /// # Errors
 /// An unknown name, with the nearest names in the hint; an empty selection.
 pub fn terms(names: &[String], mountings: &[String]) -> Result<Vec<Box<dyn Term>>> {
     let mut chosen: Vec<Coefficient> = Vec::new();
-    let mut set_ups: Vec<SetUp> = Vec::new();
+    // Each for all mountings or for one.
+    let mut set_ups: Vec<(SetUp, usize)> = Vec::new();
+    let everywhere = |set_up: SetUp| (0..mountings.len()).map(move |mounting| (set_up, mounting));
     for name in names {
         if let Some(of_set) = coefficients(name) {
             chosen.extend(of_set);
-            set_ups.extend(SetUp::all().filter(|s| name == "all" || s.ball == Ball::Tool));
+            let brought =
+                SetUp::all().filter(|s| name == "all" || name == COMPLETE || s.ball == Ball::Tool);
+            set_ups.extend(brought.flat_map(everywhere));
+            continue;
+        }
+        if let Some((set_up, mounting)) = of_one_mounting(name, mountings) {
+            set_ups.push((set_up, mounting));
             continue;
         }
         let (leave_out, bare) = match name.strip_prefix('-') {
@@ -82,9 +98,11 @@ pub fn terms(names: &[String], mountings: &[String]) -> Result<Vec<Box<dyn Term>
         };
         match (Coefficient::parse(bare), SetUp::parse(bare)) {
             (Some(coefficient), _) if leave_out => chosen.retain(|c| *c != coefficient),
-            (_, Some(set_up)) if leave_out => set_ups.retain(|s| *s != set_up),
+            (_, Some(set_up)) if leave_out => {
+                set_ups.retain(|(s, _)| *s != set_up);
+            }
             (Some(coefficient), _) => chosen.push(coefficient),
-            (_, Some(set_up)) => set_ups.push(set_up),
+            (_, Some(set_up)) => set_ups.extend(everywhere(set_up)),
             (None, None) => {
                 let sets: Vec<&str> = NAMED_SETS.iter().map(|(set, _)| *set).collect();
                 return Err(Error::input(format!("unknown term `{name}`")).hint(format!(
@@ -96,7 +114,7 @@ pub fn terms(names: &[String], mountings: &[String]) -> Result<Vec<Box<dyn Term>
     }
     chosen.sort();
     chosen.dedup();
-    set_ups.sort();
+    set_ups.sort_by_key(|&(set_up, mounting)| (mounting, set_up));
     set_ups.dedup();
     if chosen.is_empty() && set_ups.is_empty() {
         return Err(Error::input("no terms are chosen")
@@ -106,17 +124,18 @@ pub fn terms(names: &[String], mountings: &[String]) -> Result<Vec<Box<dyn Term>
     for coefficient in chosen {
         terms.push(Box::new(coefficient));
     }
-    for (mounting, name) in mountings.iter().enumerate() {
-        let mounting_name = if mountings.len() > 1 { name.clone() } else { String::new() };
-        for &set_up in &set_ups {
-            terms.push(Box::new(SetUpTerm {
-                set_up,
-                mounting,
-                mounting_name: mounting_name.clone(),
-            }));
-        }
+    for (set_up, mounting) in set_ups {
+        let mounting_name =
+            if mountings.len() > 1 { mountings[mounting].clone() } else { String::new() };
+        terms.push(Box::new(SetUpTerm { set_up, mounting, mounting_name }));
     }
     Ok(terms)
+}
+
+/// `EXt@A`: a set-up error of one mounting, with the index of the mounting.
+fn of_one_mounting(name: &str, mountings: &[String]) -> Option<(SetUp, usize)> {
+    let (set_up, mounting) = name.split_once('@')?;
+    Some((SetUp::parse(set_up)?, mountings.iter().position(|m| m == mounting)?))
 }
 
 #[cfg(test)]
@@ -136,6 +155,10 @@ mod tests {
         let two = terms(&["observable35".into()], &["A".into(), "B".into()]).unwrap();
         assert_eq!(two.len(), 41);
         assert_eq!(two[40].parameters()[0].name, "EZt@B");
+        let one_of_two = terms(&["EXt@B".into()], &["A".into(), "B".into()]).unwrap();
+        assert_eq!(one_of_two.len(), 1);
+        assert_eq!(one_of_two[0].parameters()[0].name, "EXt@B");
+        assert!(terms(&["EXt@C".into()], &["A".into(), "B".into()]).is_err());
     }
 
     #[test]

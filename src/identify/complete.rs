@@ -1,0 +1,63 @@
+//! The set `complete`: which terms a test can tell apart through its noise.
+
+use super::fit::{Options, RunInput};
+use super::prediction::rehearsed_fit;
+use super::preference;
+use crate::error::Result;
+use crate::machine::{Machine, Mounting};
+use crate::model::{self, COMPLETE, Coefficient, Model, SetUp};
+use crate::solve::{NoiseModel, Truncation};
+
+/// The order in which single terms are considered: those that `terms` names beside `complete` first,
+/// without those that it leaves out by `-NAME`.
+///
+/// # Errors
+/// A name beside `complete` that is a set's.
+pub fn order_of(terms: &[String]) -> Result<Vec<String>> {
+    let (out, named): (Vec<&String>, Vec<&String>) =
+        terms.iter().filter(|name| *name != COMPLETE).partition(|name| name.starts_with('-'));
+    let first: Vec<String> = named.into_iter().cloned().collect();
+    let mut order = preference(&first)?;
+    order.retain(|name| !out.iter().any(|out| out.strip_prefix('-') == Some(name)));
+    Ok(order)
+}
+
+/// The terms that a list asks for, `complete` made explicit by what these runs, rehearsed or measured,
+/// see through the stated noise. The runs are given back as they were.
+///
+/// A direction counts as seen as it does in the fit: see [`SEEN_UM`](super::SEEN_UM).
+pub fn explicit_terms(
+    terms: &[String],
+    machine: &Machine,
+    mountings: &[(String, Mounting)],
+    runs: Vec<RunInput>,
+    options: &Options,
+) -> Result<(Vec<String>, Vec<RunInput>)> {
+    if !terms.iter().any(|name| name == COMPLETE) {
+        return Ok((terms.to_vec(), runs));
+    }
+    let order = order_of(terms)?;
+    let names: Vec<String> = mountings.iter().map(|(name, _)| name.clone()).collect();
+    let balls = mountings.iter().map(|(_, mounting)| *mounting).collect();
+    let model = Model::new(machine, balls, model::terms(&order, &names)?);
+    let fit = rehearsed_fit(&model, runs, options, &NoiseModel::white(options.noise_mm))?;
+    let triangle = fit.triangle()?;
+    let parameters = model.parameters();
+    let bare = |k: usize| parameters[k].name.split('@').next().unwrap_or_default();
+    // Nobody asks whether to estimate the times: they come first.
+    let mut columns: Vec<usize> = (fit.columns.coefficients..fit.columns.total).collect();
+    for name in &order {
+        columns.extend((0..parameters.len()).filter(|&k| bare(k) == name));
+    }
+    let floor = Truncation::Effect(fit.floor(triangle.rows()));
+    let choice = triangle.choose(&columns, &fit.references(&triangle), floor)?;
+    let kept = choice.kept.iter().filter_map(|&k| parameters.get(k));
+    Ok((kept.map(|parameter| parameter.name.clone()).collect(), fit.runs))
+}
+
+/// How many of these names are coefficients, and how many set-up errors.
+pub fn count(names: &[String]) -> (usize, usize) {
+    let set_up = |name: &&String| name.split('@').next().is_some_and(|n| SetUp::parse(n).is_some());
+    let coefficient = |name: &&String| Coefficient::parse(name).is_some();
+    (names.iter().filter(coefficient).count(), names.iter().filter(set_up).count())
+}
