@@ -8,7 +8,8 @@ use super::Common;
 use super::analyse::add_results;
 use super::estimate::Selection;
 use super::output::{self, Files, Talk};
-use super::program::Written;
+use super::program::told;
+use crate::design::PlannedProgram;
 use crate::error::{Error, Place, Result};
 use crate::plan::Test;
 use crate::report;
@@ -29,12 +30,12 @@ impl Arguments {
     pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
         let file = demonstration()?;
         let test = Test::read(&file)?;
-        let written = Written::new(&test, &test.machine()?, 0)?;
+        let written = PlannedProgram::new(&test, &test.machine()?, 0)?;
         talk.say(&format!(
             "1. the program of strategy 3D6, written and read back\n{}",
-            written.told()
+            told(&written)
         ));
-        let program = common.output.join(&written.name);
+        let program = common.output.join(&written.file_name);
 
         talk.say("2. five measured logs, aligned and identified");
         let identified = Selection::of_file(file).identify(talk)?;

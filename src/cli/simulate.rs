@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::Common;
 use super::output::{self, Files, Talk};
-use super::program::Written;
+use crate::design::PlannedProgram;
 use crate::error::{Error, Kind, Result};
 use crate::nc;
 use crate::plan::Test;
@@ -122,8 +122,8 @@ impl Arguments {
         if test.plan().is_ok() {
             return (0..test.mountings().len())
                 .map(|mounting| {
-                    let written = Written::new(test, machine, mounting)?;
-                    Ok(Source { file: written.name, text: written.text, mounting })
+                    let written = PlannedProgram::new(test, machine, mounting)?;
+                    Ok(Source { file: written.file_name, text: written.text, mounting })
                 })
                 .collect();
         }

@@ -46,9 +46,19 @@ impl<'a> Gather<'a> {
     /// No rows yet, of all columns but some.
     pub fn without(machine: &'a Machine, mountings: &[Mounting], gone: &[&str]) -> Result<Self> {
         let places: Vec<String> = (0..mountings.len()).map(|k| format!("P{k}")).collect();
+        Self::named(machine, mountings, &places, gone)
+    }
+
+    /// The same with names for the mountings, which the names of their set-up errors end with.
+    pub fn named(
+        machine: &'a Machine,
+        mountings: &[Mounting],
+        places: &[String],
+        gone: &[&str],
+    ) -> Result<Self> {
         let mut names = vec!["all".to_owned()];
         names.extend(gone.iter().map(|name| format!("-{name}")));
-        let model = Model::new(machine, mountings.to_vec(), terms(&names, &places)?);
+        let model = Model::new(machine, mountings.to_vec(), terms(&names, places)?);
         let keep = |name: String| !gone.contains(&name.as_str());
         let coefficients = Coefficient::all().filter(|c| keep(c.to_string()));
         let set_ups = (0..mountings.len()).flat_map(|k| {
@@ -181,6 +191,15 @@ impl Sight {
     /// Name of a column.
     pub fn name(&self, column: usize) -> &str {
         &self.parameters[column].name
+    }
+
+    /// The set-up error that a column stands for, with the index of its mounting; the columns of the
+    /// set-up errors come last, mounting by mounting.
+    pub(super) fn set_up(&self, column: usize) -> Option<(SetUp, usize)> {
+        let name = |k: usize| self.name(k).split('@').next().and_then(SetUp::parse);
+        let set_up = name(column)?;
+        let before = (0..column).filter(|&k| name(k) == Some(set_up)).count();
+        Some((set_up, before))
     }
 
     fn spectrum(&self, columns: &[usize]) -> Result<(Triangle, Spectrum)> {

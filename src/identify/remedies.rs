@@ -9,7 +9,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use nalgebra::Vector3;
 
-use super::observability::ideal_poses;
+use super::observability::{Sight, ideal_poses};
 use crate::machine::{Axis, Machine, Mounting};
 use crate::model::{Ball, Coefficient, SetUp, Situation, Term};
 use crate::plan::Arc;
@@ -39,41 +39,40 @@ pub struct Driven {
     pub arcs: Vec<Arc>,
 }
 
+/// A confounded group: a change of coefficients and of the set-up errors of mountings, by their indices.
+struct Group {
+    coefficients: Vec<(Coefficient, f64)>,
+    set_ups: Vec<((SetUp, usize), f64)>,
+}
+
 /// Something to do about a confounded group.
 #[derive(Debug, Clone)]
 struct Remedy {
     what: String,
-    /// What is driven besides, each with whether its balls are mounted anew.
-    driven: Vec<(Driven, bool)>,
+    /// What is driven besides, each with the mounting whose balls stay as they are; `None` if they are
+    /// mounted anew.
+    driven: Vec<(Driven, Option<usize>)>,
 }
 
 /// For each confounded group what would separate it, in words, from little trouble to much; empty where
-/// nothing that was tried does. `names` are the parameters' names.
+/// nothing that was tried does. The groups are combinations of the columns of `sight`.
 pub fn remedies(
     machine: &Machine,
     test: &[Driven],
     groups: &[NullDirection],
-    names: &[String],
+    sight: &Sight,
 ) -> Vec<Vec<String>> {
     let single = single_remedies(machine, test);
     let combined = combined_remedies(machine, test);
     groups
         .iter()
         .map(|group| {
-            let parts: Vec<(Coefficient, f64)> = group
-                .parts
-                .iter()
-                .filter_map(|&(k, share)| Some((Coefficient::parse(names.get(k)?)?, share)))
-                .collect();
-            // What set-up errors contribute where the balls stay as they are.
-            let set_ups: Vec<(SetUp, f64)> = group
-                .parts
-                .iter()
-                .filter_map(|&(k, share)| {
-                    Some((SetUp::parse(names.get(k)?.split('@').next()?)?, share))
-                })
-                .collect();
-            let helps = |remedy: &&Remedy| separates(machine, remedy, &parts, &set_ups);
+            let of = |k: usize| Coefficient::parse(sight.name(k));
+            let parts = group.parts.iter().filter_map(|&(k, share)| Some((of(k)?, share)));
+            let set_ups =
+                group.parts.iter().filter_map(|&(k, share)| Some((sight.set_up(k)?, share)));
+            let group = Group { coefficients: parts.collect(), set_ups: set_ups.collect() };
+            let helps = |remedy: &&Remedy| separates(machine, remedy, &group);
             let told = |remedies: &[Remedy]| -> Vec<String> {
                 remedies.iter().filter(helps).map(|remedy| remedy.what.clone()).collect()
             };
@@ -84,13 +83,8 @@ pub fn remedies(
 }
 
 /// Whether the rows of a remedy show a change that the set-up errors of a new mounting cannot hide.
-fn separates(
-    machine: &Machine,
-    remedy: &Remedy,
-    parts: &[(Coefficient, f64)],
-    set_ups: &[(SetUp, f64)],
-) -> bool {
-    remedy.driven.iter().any(|(driven, anew)| {
+fn separates(machine: &Machine, remedy: &Remedy, group: &Group) -> bool {
+    remedy.driven.iter().any(|(driven, same_as)| {
         let mut effect = Vec::new();
         let mut of_place: [Vec<f64>; 3] = [const { Vec::new() }; 3];
         let mut size: f64 = 0.0;
@@ -101,13 +95,16 @@ fn separates(
                 };
                 let mut sum = 0.0;
                 let mut value = [0.0];
-                for (coefficient, share) in parts {
+                for (coefficient, share) in &group.coefficients {
                     coefficient.columns(&at, &mut value);
                     sum += share * value[0];
                     size += (share * value[0]).powi(2);
                 }
-                if !anew {
-                    for (set_up, share) in set_ups {
+                if let Some(mounting) = same_as {
+                    for ((set_up, of), share) in &group.set_ups {
+                        if of != mounting {
+                            continue;
+                        }
                         let along = at.direction[set_up.axis.index()];
                         let value = if set_up.ball == Ball::Tool { along } else { -along };
                         sum += share * value;
@@ -120,7 +117,7 @@ fn separates(
                 }
             }
         }
-        if *anew {
+        if same_as.is_none() {
             take_off(&mut effect, &mut of_place);
         }
         let left: f64 = effect.iter().map(|e| e * e).sum();
@@ -177,31 +174,33 @@ fn everywhere() -> Vec<Arc> {
 
 fn single_remedies(machine: &Machine, test: &[Driven]) -> Vec<Remedy> {
     let Some(first) = test.first() else { return Vec::new() };
-    let more_arcs =
-        test.iter().map(|driven| (Driven { arcs: everywhere(), ..driven.clone() }, false));
+    let everywhere = everywhere();
+    let more_arcs = test.iter().enumerate().map(|(mounting, driven)| {
+        (Driven { arcs: everywhere.clone(), ..driven.clone() }, Some(mounting))
+    });
     let mut all = vec![
         Remedy { what: "more arcs in the same mounting".into(), driven: more_arcs.collect() },
         Remedy {
             what: format!("a bar of {:.0} mm in the same place", other_bar_mm(first)),
-            driven: vec![(Driven { bar_mm: other_bar_mm(first), ..first.clone() }, true)],
+            driven: vec![(Driven { bar_mm: other_bar_mm(first), ..first.clone() }, None)],
         },
     ];
     for axis in Axis::ALL {
         if let Some((moved, apart_mm)) = moved(machine, first, axis) {
             let what = format!("a second place {apart_mm:.0} mm along {axis}");
-            all.push(Remedy { what, driven: vec![(moved, true)] });
+            all.push(Remedy { what, driven: vec![(moved, None)] });
         }
     }
     all.push(Remedy {
         what: format!("a tool {LONGER_MM:.0} mm longer at the same workpiece ball"),
-        driven: vec![(longer(first), true)],
+        driven: vec![(longer(first), None)],
     });
     let mut aside = first.clone();
     aside.mounting.tool_ball_mm.x += ASIDE_MM;
     aside.mounting.coincidence_mm.x -= ASIDE_MM;
     all.push(Remedy {
         what: format!("a tool ball {ASIDE_MM:.0} mm off the spindle's axis"),
-        driven: vec![(aside, true)],
+        driven: vec![(aside, None)],
     });
     all
 }
@@ -209,10 +208,10 @@ fn single_remedies(machine: &Machine, test: &[Driven]) -> Vec<Remedy> {
 /// What is tried where nothing helps alone.
 fn combined_remedies(machine: &Machine, test: &[Driven]) -> Vec<Remedy> {
     let Some(first) = test.first() else { return Vec::new() };
-    let places: Vec<(Driven, bool)> =
-        Axis::ALL.iter().filter_map(|&axis| Some((moved(machine, first, axis)?.0, true))).collect();
+    let places: Vec<(Driven, Option<usize>)> =
+        Axis::ALL.iter().filter_map(|&axis| Some((moved(machine, first, axis)?.0, None))).collect();
     let mut with_tool = places.clone();
-    with_tool.extend(places.iter().map(|(driven, _)| (longer(driven), true)));
+    with_tool.extend(places.iter().map(|(driven, _)| (longer(driven), None)));
     vec![
         Remedy { what: "more places, not on one line".into(), driven: places },
         Remedy { what: "more places and a longer tool".into(), driven: with_tool },
@@ -266,11 +265,10 @@ mod tests {
         gather.drive(0, &strategy.arcs(), 150.0, 240);
         let sight = gather.finish().unwrap();
         let selection = sight.select(&sight.ordered(&preference(&[]).unwrap())).unwrap();
-        let names: Vec<String> = (0..96).map(|k| sight.name(k).to_owned()).collect();
         let groups: Vec<NullDirection> =
             selection.removed.iter().map(|removal| removal.direction.clone()).collect();
         let test = [Driven { mounting, bar_mm: 150.0, arcs: strategy.arcs() }];
-        let remedies = remedies(&machine, &test, &groups, &names);
+        let remedies = remedies(&machine, &test, &groups, &sight);
         let removed = selection.removed.into_iter().zip(remedies);
         removed.map(|(removal, remedies)| (removal.name, removal.reason, remedies)).collect()
     }

@@ -233,7 +233,7 @@ pub(super) struct RawEstimation {
 impl RawEstimation {
     pub(super) fn check(self, text: &Text<'_>) -> Result<Estimation> {
         let terms = match self.terms {
-            None => vec!["observable35".to_owned()],
+            None => vec![model::COMPLETE.to_owned()],
             Some(written) => {
                 model::terms(written.get_ref(), &[String::new()])
                     .map_err(|error| error.at(text.place(written.span())))?;

@@ -1,0 +1,57 @@
+//! The program of a mounting: planned, written, read back, timed.
+
+use crate::error::{Error, Kind, Result};
+use crate::machine::Machine;
+use crate::motion::Trajectory;
+use crate::nc::{self, Program, ReadBack};
+use crate::plan::{Path, Test};
+
+/// A program that was written and read back.
+#[derive(Debug, Clone)]
+pub struct PlannedProgram {
+    /// Name of its file, such as `O1001.nc`.
+    pub file_name: String,
+    /// Index of the mounting.
+    pub mounting: usize,
+    /// Its name.
+    pub mounting_name: String,
+    /// What was planned.
+    pub path: Path,
+    /// The text for the control.
+    pub text: String,
+    /// What the control makes of the text.
+    pub program: Program,
+    /// How the one compares with the other.
+    pub back: ReadBack,
+    /// The program with its times.
+    pub trajectory: Trajectory,
+}
+
+impl PlannedProgram {
+    /// Plans and writes the program of a mounting, by its index, and reads it back.
+    ///
+    /// # Errors
+    /// When it leaves the travel; and when it does not come back within 0.75 of the last decimal: then it
+    /// must not reach a machine.
+    pub fn new(test: &Test, machine: &Machine, mounting: usize) -> Result<Self> {
+        let path = Path::plan(test, machine, mounting)?;
+        let text = nc::write(test, machine, &path)?;
+        let file_name = format!("O{:04}.nc", test.plan()?.program_number + mounting as u32);
+        let named = &test.mountings()[mounting];
+        let mut reading = nc::Reading::default();
+        reading.work_offsets_mm.insert(named.work_offset, named.mounting.coincidence_mm);
+        let program = nc::read(&text, file_name.as_ref(), &reading)?;
+        let back = nc::read_back(&program, test, &path)?;
+        let last_decimal_mm = 10_f64.powi(-(machine.controller().decimals as i32));
+        if back.worst_mm > 0.75 * last_decimal_mm {
+            return Err(Error::new(
+                Kind::Output,
+                format!("the program reads back {} mm away from the plan", back.worst_mm),
+            )
+            .hint("this is a fault of this tool; please report the test file"));
+        }
+        let trajectory = Trajectory::new(&program, machine, 1.0);
+        let mounting_name = named.name.clone();
+        Ok(Self { file_name, mounting, mounting_name, path, text, program, back, trajectory })
+    }
+}
