@@ -70,6 +70,12 @@ impl Matrix {
         &mut self.data[i * self.columns..(i + 1) * self.columns]
     }
 
+    /// Row `i` to read and row `k`, which comes after it, to write.
+    pub(super) fn two_rows_mut(&mut self, i: usize, k: usize) -> (&[f64], &mut [f64]) {
+        let (before, from) = self.data.split_at_mut(k * self.columns);
+        (&before[i * self.columns..(i + 1) * self.columns], &mut from[..self.columns])
+    }
+
     /// A copy of column `k`.
     ///
     /// # Panics

@@ -72,6 +72,7 @@
 
 mod backward_filter;
 mod choice;
+mod cholesky;
 mod fold;
 mod least_squares;
 mod matrix;
@@ -85,6 +86,7 @@ mod tsqr;
 
 pub use backward_filter::BackwardFilter;
 pub use choice::Choice;
+pub use cholesky::{Cholesky, low_rank_factor};
 pub use least_squares::{Solution, Truncation, correlation, solve, standard_deviations};
 pub use matrix::Matrix;
 pub use noise::{Autocovariances, NoiseModel};
