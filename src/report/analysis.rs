@@ -55,18 +55,6 @@ impl Analysis {
         self.repeats.iter().flat_map(|repeat| &repeat.runs)
     }
 
-    /// Nominal lengths of the bars of the mountings, each once, in words, mm.
-    pub(super) fn bar_lengths(&self) -> String {
-        let mut lengths: Vec<String> = Vec::new();
-        for mounting in &self.test.mountings {
-            let length = mounting.bar_length_mm.to_string();
-            if !lengths.contains(&length) {
-                lengths.push(length);
-            }
-        }
-        lengths.join(" and ")
-    }
-
     /// A parameter over the repeats.
     pub fn over_repeats(&self, name: &str) -> Option<&MeanResult> {
         self.over_repeats.iter().find(|mean| mean.name == name)

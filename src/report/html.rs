@@ -2,7 +2,8 @@
 
 use askama::Template;
 
-use super::analysis::{Analysis, ArcResult, MeanResult, RepeatResult, RunResult};
+use super::analysis::{Analysis, MeanResult, RepeatResult, RunResult};
+use super::arc_table::{self, ArcRow};
 use super::cautions::DETERMINED;
 use super::figures::{self, Figure, RunPicture};
 use super::numbers::{count, fixed, many, signed, typeset};
@@ -22,13 +23,14 @@ struct Page<'a> {
     squareness: Vec<[String; 5]>,
     scale: Vec<[String; 4]>,
     reversal: Vec<[String; 5]>,
-    runs: Vec<[String; 7]>,
+    several_mountings: bool,
+    runs: Vec<[String; 8]>,
     arcs: Vec<ArcRow>,
     confounded: Vec<String>,
     noise: Vec<[String; 6]>,
     pauses: Vec<(String, String)>,
     pictures: Vec<RunPicture>,
-    polar: Vec<Figure>,
+    polar: Vec<Vec<Figure>>,
     magnification: String,
     set_up_taken_off: bool,
     hysteresis: Vec<Figure>,
@@ -48,26 +50,13 @@ struct CoefficientRow {
     determined: bool,
 }
 
-/// A row of the table of arcs: the first run that drove it, and all of them.
-struct ArcRow {
-    name: String,
-    circle: String,
-    direction: &'static str,
-    feed: String,
-    samples: String,
-    rms: Vec<String>,
-    mean: String,
-    worst: String,
-    transit: bool,
-}
-
 /// Renders the report. The same input gives the same bytes.
 ///
 /// `identifications` are those that `analysis` was made of, in the same order: tables come from the
 /// one, curves from the others.
 pub fn render(analysis: &Analysis, identifications: &[Identification]) -> Result<String> {
     let circles = traces::circles(analysis, identifications);
-    let (polar, magnification) = figures::polar(&circles, analysis.ball_bar.length_mm);
+    let (polar, magnification) = figures::polar(&circles);
     let distribution = figures::histogram(identifications).into_iter().chain(
         analysis.repeats.first().zip(identifications.first()).and_then(
             |(result, identification)| figures::autocorrelation(result, identification, analysis),
@@ -81,8 +70,9 @@ pub fn render(analysis: &Analysis, identifications: &[Identification]) -> Result
         squareness: squareness(analysis),
         scale: scale(analysis),
         reversal: reversal(analysis),
+        several_mountings: analysis.several_mountings(),
         runs: analysis.runs().map(run).collect(),
-        arcs: arcs(analysis),
+        arcs: arc_table::rows(analysis),
         confounded: analysis.repeats.first().map_or_else(Vec::new, |r| r.confounded.clone()),
         noise: analysis.repeats.iter().map(noise).collect(),
         pauses: pauses(analysis),
@@ -91,7 +81,7 @@ pub fn render(analysis: &Analysis, identifications: &[Identification]) -> Result
         magnification,
         set_up_taken_off: traces::set_up_taken_off(analysis, identifications),
         hysteresis: figures::hysteresis(analysis),
-        over_time: figures::against_time(identifications),
+        over_time: figures::against_time(analysis, identifications),
         over_angle: figures::against_angle(&circles, identifications),
         distribution: distribution.collect(),
         analysis,
@@ -133,8 +123,7 @@ fn facts(analysis: &Analysis) -> Vec<(&'static str, String)> {
     }
     facts.push(("Terms", analysis.terms.join(" ")));
     for mounting in &analysis.test.mountings {
-        let at = mounting.coincidence_mm.map(|c| fixed(c, 3)).join(", ");
-        facts.push(("Mounting", format!("{}: balls coincide at ({at}) mm", mounting.name)));
+        facts.push(("Mounting", analysis.told(mounting)));
     }
     facts.push(("Test file", analysis.test.file.clone()));
     facts
@@ -226,7 +215,7 @@ fn reversal(analysis: &Analysis) -> Vec<[String; 5]> {
     displacements.chain(rotations).collect()
 }
 
-fn run(run: &RunResult) -> [String; 7] {
+fn run(run: &RunResult) -> [String; 8] {
     let rate_sigma =
         run.clock_rate_sigma_ppm.map_or(String::new(), |s| format!(" ± {}", fixed(s, 1)));
     let knob = &run.feed_override;
@@ -252,58 +241,8 @@ fn run(run: &RunResult) -> [String; 7] {
             count(run.samples.not_used)
         ),
         fixed(run.residual_rms_um, 3),
+        run.mounting.clone(),
     ]
-}
-
-/// Arcs of the same name, direction and feed are one row, with a column a repeat.
-fn arcs(analysis: &Analysis) -> Vec<ArcRow> {
-    let mut rows: Vec<(&ArcResult, Vec<Vec<&ArcResult>>)> = Vec::new();
-    let repeats = analysis.repeats.len();
-    for (index, repeat) in analysis.repeats.iter().enumerate() {
-        for arc in repeat.runs.iter().flat_map(|run| &run.arcs) {
-            let same = |row: &&ArcResult| {
-                row.name == arc.name
-                    && row.circle == arc.circle
-                    && row.direction == arc.direction
-                    && (row.feed_mm_min - arc.feed_mm_min).abs() < 0.5
-            };
-            let place = rows.iter().position(|(first, _)| same(first)).unwrap_or_else(|| {
-                rows.push((arc, vec![Vec::new(); repeats]));
-                rows.len() - 1
-            });
-            rows[place].1[index].push(arc);
-        }
-    }
-    rows.into_iter()
-        .map(|(first, of_repeats)| {
-            let all: Vec<&ArcResult> = of_repeats.iter().flatten().copied().collect();
-            let samples: usize = all.iter().map(|arc| arc.samples).sum();
-            let weighted = |value: &dyn Fn(&ArcResult) -> f64, arcs: &[&ArcResult]| {
-                let of: usize = arcs.iter().map(|arc| arc.samples).sum();
-                arcs.iter().map(|arc| value(arc) * arc.samples as f64).sum::<f64>()
-                    / of.max(1) as f64
-            };
-            ArcRow {
-                name: first.name.clone(),
-                circle: first.circle.clone(),
-                direction: first.direction,
-                feed: fixed(first.feed_mm_min, 0),
-                samples: count(samples),
-                rms: of_repeats
-                    .iter()
-                    .map(|arcs| {
-                        if arcs.is_empty() {
-                            return "–".into();
-                        }
-                        fixed(weighted(&|arc| arc.rms_um.powi(2), arcs).sqrt(), 3)
-                    })
-                    .collect(),
-                mean: typeset(&signed(weighted(&|arc| arc.mean_um, &all), 3)),
-                worst: fixed(all.iter().map(|arc| arc.worst_um).fold(0.0, f64::max), 2),
-                transit: first.transit,
-            }
-        })
-        .collect()
 }
 
 fn noise(repeat: &RepeatResult) -> [String; 6] {

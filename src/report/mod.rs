@@ -8,6 +8,7 @@
 //! report read it and nothing else. Curves are drawn from the identifications themselves.
 
 mod analysis;
+mod arc_table;
 mod cautions;
 mod figures;
 #[cfg(test)]
@@ -15,6 +16,7 @@ mod fixture;
 mod gather;
 pub mod html;
 mod machine_errors;
+mod mountings;
 mod numbers;
 mod paper;
 mod samples;

@@ -33,14 +33,15 @@ impl Magnification {
         Self { times, division_um: round_up(DIVISION / pixels_per_um), pixels_per_um }
     }
 
-    /// In words, for a caption.
-    pub(super) fn sentence(&self) -> String {
+    /// In words, for a caption; `alike` where all bars have the length that it was made for.
+    pub(super) fn sentence(&self, alike: bool) -> String {
         let decimals = if self.division_um < 0.1 { 2 } else { usize::from(self.division_um < 1.0) };
-        format!(
-            "deviations magnified {} times, {} µm per division",
-            super::numbers::count(self.times.round() as usize),
-            fixed(self.division_um, decimals)
-        )
+        let division = format!("{} µm per division", fixed(self.division_um, decimals));
+        if !alike {
+            return division;
+        }
+        let times = super::numbers::count(self.times.round() as usize);
+        format!("deviations magnified {times} times, {division}")
     }
 }
 

@@ -104,13 +104,17 @@ pub(super) fn verdict(analysis: &Analysis) -> Vec<String> {
 
 /// The runs as a table: when the bar engaged, the clock, the uncertainty of time, the residual, the pauses.
 pub fn runs_table(analysis: &Analysis) -> String {
+    let several = analysis.several_mountings();
     let mut rows = vec![
         ["run", "engaged at", "clock", "time sigma", "used", "residual", "pauses"]
             .map(str::to_owned)
             .to_vec(),
     ];
+    if several {
+        rows[0].insert(1, "mounting".to_owned());
+    }
     for run in analysis.runs() {
-        rows.push(vec![
+        let mut row = vec![
             run.name.clone(),
             format!("{} s", fixed(run.engagement_log_s, 3)),
             format!(
@@ -122,9 +126,13 @@ pub fn runs_table(analysis: &Analysis) -> String {
             run.samples.used.to_string(),
             format!("{} um", fixed(run.residual_rms_um, 3)),
             pauses(run),
-        ]);
+        ];
+        if several {
+            row.insert(1, run.mounting.clone());
+        }
+        rows.push(row);
     }
-    table(&rows, "lrrrrrl")
+    table(&rows, if several { "llrrrrrl" } else { "lrrrrrl" })
 }
 
 /// Operator's pauses of a run: how many, from the shortest to the longest.

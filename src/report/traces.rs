@@ -44,11 +44,17 @@ impl Trace {
     }
 }
 
-/// A circle and what was driven on it.
+/// A circle of a mounting and what was driven on it.
 #[derive(Debug)]
 pub(super) struct OnCircle {
     /// The circle.
     pub(super) circle: Circle,
+    /// Index of the mounting.
+    pub(super) mounting: usize,
+    /// Its name, with that of the mounting where a test has several.
+    pub(super) name: String,
+    /// Nominal length of the bar, mm.
+    pub(super) nominal_mm: f64,
     /// Its arcs, in the order of the repeats and of the program.
     pub(super) traces: Vec<Trace>,
 }
@@ -61,8 +67,8 @@ impl OnCircle {
     }
 }
 
-/// All circles, the equator and the meridians in the order in which they are first driven; the ways
-/// from arc to arc are left out.
+/// All circles, mounting after mounting, each in the order in which they are first driven; the ways from
+/// arc to arc are left out.
 pub(super) fn circles(analysis: &Analysis, identifications: &[Identification]) -> Vec<OnCircle> {
     let mut circles: Vec<OnCircle> = Vec::new();
     for (repeat, identification) in identifications.iter().enumerate() {
@@ -109,13 +115,23 @@ pub(super) fn circles(analysis: &Analysis, identifications: &[Identification]) -
                 if trace.angle_rad.len() < 2 {
                     continue;
                 }
-                match circles.iter_mut().find(|c| c.circle.is_same(&section.circle)) {
+                let same = |c: &&mut OnCircle| {
+                    c.mounting == run.mounting && c.circle.is_same(&section.circle)
+                };
+                match circles.iter_mut().find(same) {
                     Some(circle) => circle.traces.push(trace),
-                    None => circles.push(OnCircle { circle: section.circle, traces: vec![trace] }),
+                    None => circles.push(OnCircle {
+                        circle: section.circle,
+                        mounting: run.mounting,
+                        name: analysis.in_mounting(&section.circle.name(), run.mounting),
+                        nominal_mm: run.nominal_mm,
+                        traces: vec![trace],
+                    }),
                 }
             }
         }
     }
+    circles.sort_by_key(|circle| circle.mounting);
     circles
 }
 

@@ -1,7 +1,8 @@
 //! The program as users run it: the real binary, real files, what it prints and what it leaves behind.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 mod good;
+mod mountings;
 mod refused;
 mod work;

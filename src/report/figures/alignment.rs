@@ -18,7 +18,7 @@ const MOST_DOTS: usize = 300;
 /// The pictures of one run.
 #[derive(Debug)]
 pub(in crate::report) struct RunPicture {
-    /// The run.
+    /// The run, and of which mounting.
     pub(in crate::report) name: String,
     /// The whole log.
     pub(in crate::report) strip: String,
@@ -34,7 +34,7 @@ pub(in crate::report) fn runs(
     let runs = identifications.iter().flat_map(|identification| &identification.runs);
     runs.zip(analysis.runs())
         .map(|(run, result)| RunPicture {
-            name: run.name.clone(),
+            name: analysis.in_mounting(&run.name, run.mounting),
             strip: strip(run, result),
             ends: ends(run, analysis),
         })

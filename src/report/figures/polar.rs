@@ -10,8 +10,8 @@ use crate::report::traces::{OnCircle, Trace};
 const POINTS: usize = 500;
 const FAINT_POINTS: usize = 180;
 
-/// One polar plot a circle, all at one magnification, and that magnification in words.
-pub(in crate::report) fn polar(circles: &[OnCircle], length_mm: f64) -> (Vec<Figure>, String) {
+/// One polar plot a circle, a group a mounting, all at one magnification, and that in words.
+pub(in crate::report) fn polar(circles: &[OnCircle]) -> (Vec<Vec<Figure>>, String) {
     let values = || {
         circles
             .iter()
@@ -19,32 +19,38 @@ pub(in crate::report) fn polar(circles: &[OnCircle], length_mm: f64) -> (Vec<Fig
             .flat_map(|trace| trace.measured_um.iter().chain(&trace.predicted_um))
             .copied()
     };
+    // Bars of other lengths are drawn at the same micrometres a division, so that plots can be compared.
+    let lengths_mm = || circles.iter().map(|circle| circle.nominal_mm);
+    let longest_mm = lengths_mm().reduce(f64::max).unwrap_or(1.0);
     let scale = Magnification::for_deviations(
         values().fold(0.0, f64::min),
         values().fold(0.0, f64::max),
-        length_mm,
+        longest_mm,
     );
-    // A whole circle is as high as two halves.
-    let halves = circles.iter().filter(|circle| !circle.whole()).count();
-    let figures = circles
-        .iter()
-        .map(|circle| Figure {
+    let alike = lengths_mm().all(|length_mm| length_mm >= longest_mm);
+    let of_mounting = |circles: &[OnCircle]| -> Vec<Figure> {
+        // A whole circle is as high as two halves.
+        let halves = circles.iter().filter(|circle| !circle.whole()).count();
+        let plot = |circle: &OnCircle| Figure {
             svg: figure(circle, scale),
             caption: String::new(),
             tall: halves > 1 && circle.whole(),
-        })
-        .collect();
-    (figures, scale.sentence())
+        };
+        circles.iter().map(plot).collect()
+    };
+    let groups = circles.chunk_by(|a, b| a.mounting == b.mounting);
+    let figures = groups.map(of_mounting).collect();
+    (figures, scale.sentence(alike))
 }
 
 fn figure(circle: &OnCircle, scale: Magnification) -> String {
-    let name = circle.circle.name();
+    let name = &circle.name;
     let spokes = match circle.circle {
         Circle::Equator => ["+X", "+Y", "−X", "−Y"],
         Circle::Meridian { .. } => ["", "pole +Z", "", "−Z"],
         Circle::Other { .. } => ["", "", "", ""],
     };
-    let mut polar = Polar::new(circle.whole(), scale, &name, spokes);
+    let mut polar = Polar::new(circle.whole(), scale, name, spokes);
     // Faint ones first, so that the first repeat lies on top.
     for trace in circle.traces.iter().filter(|trace| trace.repeat > 0) {
         draw(&mut polar, trace, false, FAINT_POINTS, "faint");

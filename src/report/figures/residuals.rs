@@ -27,7 +27,10 @@ fn range_um(identifications: &[Identification]) -> f64 {
 }
 
 /// One chart a run: residual against program time, arcs shaded.
-pub(in crate::report) fn against_time(identifications: &[Identification]) -> Vec<Figure> {
+pub(in crate::report) fn against_time(
+    analysis: &Analysis,
+    identifications: &[Identification],
+) -> Vec<Figure> {
     let range = range_um(identifications);
     let mut figures = Vec::new();
     for identification in identifications {
@@ -61,7 +64,7 @@ pub(in crate::report) fn against_time(identifications: &[Identification]) -> Vec
                 let most = (arc.len() as f64 * share).ceil() as usize;
                 chart.line(&envelope(&line, most), "residual");
             }
-            chart.title(&run.name);
+            chart.title(&analysis.in_mounting(&run.name, run.mounting));
             let svg = chart.finish(&format!("{}: residual against program time", run.name));
             figures.push(Figure { svg, caption: String::new(), tall: false });
         }
@@ -91,7 +94,7 @@ pub(in crate::report) fn against_angle(
             });
             let (low, high) =
                 ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-            let name = circle.circle.name();
+            let name = &circle.name;
             let x = Axis::new("angle on the circle, °", (low.round(), high.round()));
             let mut chart = Chart::new(480.0, 190.0, x, Axis::new("residual, µm", (-range, range)));
             for trace in circle.traces.iter().filter(|trace| trace.repeat == 0) {
@@ -108,7 +111,7 @@ pub(in crate::report) fn against_angle(
                     .collect();
                 chart.line(&averaged(&all, low), &format!("mean {}", direction(forward)));
             }
-            chart.title(&name);
+            chart.title(name);
             let svg = chart.finish(&format!("{name}: residual against angle"));
             Figure { svg, caption: String::new(), tall: false }
         })
