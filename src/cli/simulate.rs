@@ -77,9 +77,12 @@ impl Arguments {
                     &test.bar_of(source.mounting),
                     &scenario.clone().with_seed(seed),
                 )?;
-                let name = match sources.len() {
-                    1 => format!("run{repeat}.csv"),
-                    _ => format!("run{repeat}-{}.csv", stem(&source.file)),
+                let alike = sources.iter().filter(|other| other.file == source.file).count();
+                let name = match (sources.len(), alike) {
+                    (1, _) => format!("run{repeat}.csv"),
+                    (_, 1) => format!("run{repeat}-{}.csv", stem(&source.file)),
+                    // One program, run in several mountings.
+                    _ => format!("run{repeat}-{}-{}.csv", stem(&source.file), index + 1),
                 };
                 files.add(common.output.join(&name), done.csv());
                 simulated.push((name, index, repeat, done));
