@@ -5,6 +5,7 @@
 
 mod arc;
 mod clearance;
+mod design_request;
 pub mod log_format;
 mod operator;
 mod path;
@@ -16,6 +17,7 @@ mod test_file;
 
 pub use arc::Arc;
 pub use clearance::{LeastClearance, Part};
+pub use design_request::{Criterion, DesignRequest, Places};
 pub use operator::Operator;
 pub use path::{Path, Step};
 pub use strategy::Strategy;

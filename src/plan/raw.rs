@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::design_request::RawDesign;
 use super::log_format::{Format, LengthUnit, ReadingColumn, ReadingKind, TimeColumn, TimeUnit};
 use super::operator::RawOperator;
 use super::raw_arc::RawArc;
@@ -24,6 +25,7 @@ pub(super) struct RawTest {
     pub(super) log: RawLog,
     pub(super) mounting: Vec<RawMounting>,
     pub(super) plan: Option<RawPlan>,
+    pub(super) design: Option<RawDesign>,
     #[serde(default)]
     pub(super) operator: RawOperator,
     #[serde(default)]
@@ -155,6 +157,7 @@ impl RawPlan {
         self,
         bar: &BallBar,
         mountings: &[NamedMounting],
+        designed: bool,
         text: &Text<'_>,
     ) -> Result<PathPlan> {
         let within =
@@ -178,7 +181,7 @@ impl RawPlan {
             .enumerate()
             .map(|(index, arc)| arc.get_ref().check(index, arc.span(), mountings, text))
             .collect::<Result<_>>()?;
-        if strategy.is_none() && free_arcs.is_empty() {
+        if strategy.is_none() && free_arcs.is_empty() && !designed {
             return Err(Error::input("the plan has neither a strategy nor arcs")
                 .at(text.place(self.feed_mm_min.span()))
                 .hint("add `strategy = \"3d6\"` or `[[plan.arc]]`"));

@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 use super::log_format::{Format, ReadingKind};
 use super::raw::RawTest;
 use super::raw_mounting::check_mountings;
-use super::{Arc, Operator, Strategy};
+use super::{Arc, DesignRequest, Operator, Strategy};
 use crate::error::{Error, Place, Result};
 use crate::machine::{Machine, Mounting};
 use crate::toml_text::{self, Text};
@@ -158,6 +158,7 @@ pub struct Test {
     log_format: Format,
     mountings: Vec<NamedMounting>,
     plan: Option<PathPlan>,
+    design: Option<DesignRequest>,
     operator: Operator,
     estimation: Estimation,
     runs: Vec<Run>,
@@ -177,7 +178,10 @@ impl Test {
         let ball_bar = raw.ball_bar.check(&raw.log, &text)?;
         let log_format = raw.log.check(ball_bar.length_mm, &text)?;
         let mountings = check_mountings(&raw.mounting, &ball_bar, &text)?;
-        let plan = raw.plan.map(|plan| plan.check(&ball_bar, &mountings, &text)).transpose()?;
+        let design = raw.design.map(|design| design.check(ball_bar.range_mm, &text)).transpose()?;
+        let designed = design.is_some();
+        let plan =
+            raw.plan.map(|plan| plan.check(&ball_bar, &mountings, designed, &text)).transpose()?;
         let mut runs = Vec::new();
         for run in raw.run {
             let run = run.check(&runs, &mountings, &beside, &text)?;
@@ -192,6 +196,7 @@ impl Test {
             log_format,
             mountings,
             plan,
+            design,
             operator: raw.operator.check(&text)?,
             estimation: raw.identify.check(&text)?,
             runs,
@@ -261,6 +266,18 @@ impl Test {
     /// What the time of the test assumes of its operator.
     pub fn operator(&self) -> &Operator {
         &self.operator
+    }
+
+    /// What a test is to be designed for.
+    ///
+    /// # Errors
+    /// When the test has no `[design]`.
+    pub fn design(&self) -> Result<&DesignRequest> {
+        self.design.as_ref().ok_or_else(|| {
+            Error::input("the test has no `[design]`, so there is nothing to design it for")
+                .at(Place::file(&self.file))
+                .hint("add `[design]` with `budget_min = 90.0`")
+        })
     }
 
     /// What the identification does.

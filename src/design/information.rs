@@ -1,0 +1,145 @@
+//! How much an arc tells in a set-up, before anything is measured.
+//!
+//! **Scale.** A coefficient is counted in the size that it is trusted with beforehand, a set-up error in
+//! 0.1 mm, so the prior information is the identity.
+//!
+//! **Information.** An arc of `n` samples gives `A^T A n / (p sigma²)`, `A` the rows of `p` points evenly
+//! along it, both ways, and `sigma²` the long-run variance of the noise: that is what correlated noise
+//! leaves of many samples for columns that change slowly. The times do not enter: they cost next to
+//! nothing (the prediction of the finished test counts them).
+
+use rayon::prelude::*;
+
+use super::candidates::SetUpCandidate;
+use super::volume::Volume;
+use crate::error::Result;
+use crate::identify::{ideal_poses, stated_noise};
+use crate::machine::Machine;
+use crate::model::{Coefficient, Situation, Term};
+use crate::plan::{Arc, BallBar};
+use crate::solve::{Choice, Matrix, Truncation, Tsqr, low_rank_factor};
+
+/// Points of a half circle, each way.
+const POINTS: f64 = 48.0;
+/// What an arc tells less than this of, in units of the prior's information, it does not tell.
+const NEGLIGIBLE: f64 = 1e-2;
+/// A column of which the set-up errors of its own mounting leave less than this is rounding.
+const ROUNDING: f64 = 1e-12;
+/// Relative tolerance of a rank.
+const TOLERANCE: f64 = 1e-10;
+/// Set-up errors of a mounting.
+pub(super) const SET_UPS: usize = 3;
+
+/// The coefficients that are estimated, and the size of each that is trusted beforehand.
+#[derive(Debug, Clone)]
+pub(super) struct Basis {
+    pub(super) coefficients: Vec<Coefficient>,
+    /// In the coefficient's unit.
+    pub(super) sizes: Vec<f64>,
+    /// What a set-up error is trusted with, mm.
+    pub(super) set_up_mm: f64,
+}
+
+/// What one arc tells in one set-up.
+#[derive(Debug, Clone)]
+pub(super) struct ArcInformation {
+    pub(super) set_up: usize,
+    pub(super) arc: usize,
+    /// Time that it takes, both ways, with what comes between, s.
+    pub(super) seconds: f64,
+    /// `F` with `F^T F` the information: a row a direction that it tells, a column a coefficient of the
+    /// basis, the set-up errors of the mounting last.
+    pub(super) factor: Matrix,
+}
+
+impl Basis {
+    /// Rows of a set-up along an arc, both ways: coefficients in their sizes, then set-up errors.
+    fn rows(&self, machine: &Machine, set_up: &SetUpCandidate, arc: &Arc) -> Vec<Vec<f64>> {
+        let points = (POINTS * arc.sweep_rad.abs() / std::f64::consts::PI).ceil().max(6.0) as usize;
+        // An even number: no point then lies where a slide turns round.
+        let points = points + points % 2;
+        let mut value = [0.0];
+        ideal_poses(&set_up.mounting, arc, set_up.bar_mm, points)
+            .filter_map(|pose| Situation::new(machine, &set_up.mounting, 0, &pose))
+            .map(|at| {
+                let mut row = Vec::with_capacity(self.coefficients.len() + SET_UPS);
+                for (coefficient, size) in self.coefficients.iter().zip(&self.sizes) {
+                    coefficient.columns(&at, &mut value);
+                    row.push(value[0] * size);
+                }
+                row.extend(at.direction.iter().map(|along| along * self.set_up_mm));
+                row
+            })
+            .collect()
+    }
+
+    /// What an arc tells in a set-up.
+    pub(super) fn information(
+        &self,
+        machine: &Machine,
+        set_up: &SetUpCandidate,
+        arc: &Arc,
+        bar: &BallBar,
+        feed_mm_s: f64,
+    ) -> Matrix {
+        let rows = self.rows(machine, set_up, arc);
+        let length_mm = arc.circle_radius_mm(set_up.bar_mm) * arc.sweep_rad.abs();
+        let samples = 2.0 * length_mm / feed_mm_s * bar.sample_rate_hz;
+        let variance = stated_noise(bar).long_run_variance();
+        let weight = (samples / rows.len() as f64 / variance).sqrt();
+        let columns = self.coefficients.len() + SET_UPS;
+        let by_column = Matrix::from_fn(columns, rows.len(), |k, i| rows[i][k] * weight);
+        low_rank_factor(&by_column.times_own_transpose(), NEGLIGIBLE)
+    }
+}
+
+/// Of coefficients, visited in this order, those that the set-ups together can tell apart, by all arcs
+/// that `arcs` gives for each; the set-up errors of every mounting are unknown besides.
+pub(super) fn tellable(
+    machine: &Machine,
+    order: &[Coefficient],
+    set_ups: &[(&SetUpCandidate, Vec<&Arc>)],
+) -> Result<Choice> {
+    let all = Basis { coefficients: order.to_vec(), sizes: vec![1.0; order.len()], set_up_mm: 1.0 };
+    let columns = order.len() + SET_UPS;
+    let parts: Vec<Result<(Matrix, Vec<f64>)>> = set_ups
+        .par_iter()
+        .map(|(set_up, arcs)| {
+            // Set-up errors first: what is below them in the triangle is what they do not explain.
+            let mut tsqr = Tsqr::new(columns);
+            let mut squares = vec![0.0; order.len()];
+            for arc in arcs {
+                for row in all.rows(machine, set_up, arc) {
+                    let (coefficients, balls) = row.split_at(order.len());
+                    tsqr.push(&[balls, coefficients].concat(), 0.0);
+                    for (square, value) in squares.iter_mut().zip(coefficients) {
+                        *square += value * value;
+                    }
+                }
+            }
+            Ok((tsqr.finish()?.r().clone(), squares))
+        })
+        .collect();
+    let mut rows = Tsqr::new(order.len());
+    let mut squares = vec![0.0; order.len()];
+    for part in parts {
+        let (r, of_part) = part?;
+        for i in SET_UPS..columns {
+            rows.push(&r.row(i)[SET_UPS..], 0.0);
+        }
+        for (square, more) in squares.iter_mut().zip(of_part) {
+            *square += more;
+        }
+    }
+    // A column that is shorter than this was the set-up's alone.
+    let references: Vec<f64> =
+        squares.iter().map(|s| s.sqrt() * ROUNDING / crate::solve::VANISHED).collect();
+    let order: Vec<usize> = (0..order.len()).collect();
+    rows.finish()?.choose(&order, &references, Truncation::Relative(TOLERANCE))
+}
+
+/// The basis of coefficients with sizes that each displace the tool by `unknown_mm` rms over a volume.
+pub(super) fn basis(volume: &Volume, unknown_mm: f64, set_up_mm: f64) -> Basis {
+    let sizes = volume.sizes().iter().map(|size| unknown_mm / size.max(1e-9)).collect();
+    Basis { coefficients: volume.coefficients().to_vec(), sizes, set_up_mm }
+}

@@ -1,0 +1,518 @@
+//! The search for the arcs and set-ups that tell most in the time there is.
+//!
+//! The covariance of coefficients and set-up errors before a measurement is the inverse of the
+//! information, `C = (I + sum F^T F)^-1`. One more arc with the factor `F` leaves
+//! `C' = C - Z^T Z`, `Z = L^-1 F C`, `L L^T = I + F C F^T`, so what it gains costs one small factorisation:
+//!
+//! | criterion | value | gain |
+//! | --- | --- | --- |
+//! | A | `trace(W C)`, the mean square over the volume | `trace(Z W Z^T)` |
+//! | D | `ln det C`, over the coefficients | `-ln det(I - Z C^-1 Z^T)` |
+//! | G | `(mean of v^4)^(1/4)` over points, `v = trace(J C J^T)` | by `v' = v - |J Z^T|²` |
+//!
+//! G's largest value has no slope where another point is nearly as bad; a high power of it has.
+//!
+//! Set-ups are chosen first, by what they tell if all their arcs share the time; then arcs, greedily by
+//! gain a second; then each is exchanged for a better one until none is. Nothing is drawn at random, and
+//! ties go to the first: the same request gives the same plan.
+
+use rayon::prelude::*;
+
+use super::information::{ArcInformation, SET_UPS};
+use crate::plan::Criterion;
+use crate::solve::{Cholesky, Matrix};
+
+/// Power of the mean that stands for the worst point.
+const POWER: i32 = 4;
+/// An exchange gains at least this part of the value.
+const WORTH: f64 = 1e-3;
+/// Rounds of exchanges at the most.
+const ROUNDS: usize = 3;
+/// So many choices of set-ups are looked at one by one; of more, the best is built up step by step.
+const MOST_CHOICES: usize = 600;
+/// So many of them are filled with arcs.
+const FILLED: usize = 2;
+
+/// What is to be small.
+#[derive(Debug, Clone)]
+pub(super) struct Objective {
+    pub(super) criterion: Criterion,
+    /// `W`, over the coefficients, mm² in their sizes.
+    pub(super) mean_square: Matrix,
+    /// `J` of the points, [`ROWS`](super::volume) rows each, mm.
+    pub(super) points: Vec<Matrix>,
+}
+
+/// A problem: what there is to choose from, and for how long.
+#[derive(Debug)]
+pub(super) struct Problem {
+    pub(super) coefficients: usize,
+    pub(super) objective: Objective,
+    /// All arcs in all set-ups.
+    pub(super) arcs: Vec<ArcInformation>,
+    /// What each set-up takes before its first arc, s.
+    pub(super) set_up_s: Vec<f64>,
+    /// What is known beforehand, over the coefficients: the prior, and what was measured.
+    pub(super) known: Matrix,
+    pub(super) most_set_ups: usize,
+}
+
+/// What was chosen: set-ups and indices of arcs, and the value of the criterion.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Chosen {
+    pub(super) set_ups: Vec<usize>,
+    pub(super) arcs: Vec<usize>,
+    pub(super) value: f64,
+}
+
+impl Objective {
+    /// The value for a covariance whose first rows are the coefficients'.
+    fn value(&self, c: &Matrix, coefficients: usize) -> f64 {
+        let corner = Matrix::from_fn(coefficients, coefficients, |i, k| c[(i, k)]);
+        match self.criterion {
+            Criterion::A => trace_of_product(&self.mean_square, &corner),
+            Criterion::D => Cholesky::of(&corner).map_or(f64::INFINITY, |f| f.log_determinant()),
+            Criterion::G => {
+                let variances: Vec<f64> =
+                    self.points.iter().map(|j| variance(j, &corner)).collect();
+                power_mean(&variances)
+            }
+        }
+    }
+}
+
+/// `trace(A B)` of symmetric matrices.
+fn trace_of_product(a: &Matrix, b: &Matrix) -> f64 {
+    (0..a.rows()).map(|i| a.row(i).iter().zip(b.row(i)).map(|(a, b)| a * b).sum::<f64>()).sum()
+}
+
+/// `trace(J C J^T)`.
+fn variance(j: &Matrix, c: &Matrix) -> f64 {
+    let spread = j.times(c);
+    (0..j.rows()).map(|i| j.row(i).iter().zip(spread.row(i)).map(|(a, b)| a * b).sum::<f64>()).sum()
+}
+
+fn power_mean(values: &[f64]) -> f64 {
+    let sum: f64 = values.iter().map(|v| v.max(0.0).powi(POWER)).sum();
+    (sum / values.len().max(1) as f64).powf(f64::from(POWER).recip())
+}
+
+/// What holds for all candidates of one step.
+struct Step {
+    /// Covariance, set-up errors of the chosen set-ups after the coefficients.
+    c: Matrix,
+    /// For each chosen set-up the rows and columns of its arcs.
+    of_set_up: Vec<Matrix>,
+    value: f64,
+    /// `C^-1` of the coefficients, for D.
+    inverse: Option<Matrix>,
+    /// `v` of the points, for G.
+    variances: Vec<f64>,
+}
+
+impl Problem {
+    /// Chooses set-ups and arcs for a budget, s; `None` if not one arc of one set-up fits.
+    pub(super) fn solve(&self, budget_s: f64) -> Option<Chosen> {
+        let choices = self.choices(budget_s);
+        let filled = choices.into_iter().take(FILLED).map(|set_ups| self.fill(&set_ups, budget_s));
+        filled
+            .filter(|chosen| !chosen.arcs.is_empty())
+            .reduce(|best, next| if next.value < best.value { next } else { best })
+    }
+
+    /// The shortest test, s.
+    pub(super) fn shortest_s(&self) -> f64 {
+        let of_arc = |arc: &ArcInformation| self.set_up_s[arc.set_up] + arc.seconds;
+        self.arcs.iter().map(of_arc).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The best single arcs after what is known, by gain a second, each with the value that it leaves.
+    pub(super) fn next_arcs(&self) -> Vec<(usize, f64)> {
+        let set_ups: Vec<usize> = (0..self.set_up_s.len()).collect();
+        let Some(step) = self.step(&set_ups, &self.start(&set_ups)) else { return Vec::new() };
+        let mut gains: Vec<(usize, f64)> = (0..self.arcs.len())
+            .into_par_iter()
+            .map(|index| (index, self.gain(&step, &set_ups, index)))
+            .collect();
+        let seconds =
+            |index: usize| self.set_up_s[self.arcs[index].set_up] + self.arcs[index].seconds;
+        gains.sort_by(|a, b| (b.1 / seconds(b.0)).total_cmp(&(a.1 / seconds(a.0))));
+        gains.into_iter().map(|(index, gain)| (index, step.value - gain)).collect()
+    }
+
+    /// Choices of set-ups, the most promising first.
+    fn choices(&self, budget_s: f64) -> Vec<Vec<usize>> {
+        let count = self.set_up_s.len();
+        let shared: Vec<Option<Matrix>> =
+            (0..count).into_par_iter().map(|set_up| self.shared(set_up)).collect();
+        let value = |set_ups: &[usize]| -> f64 {
+            let cost_s: f64 = set_ups.iter().map(|&s| self.set_up_s[s]).sum();
+            let each_s = (budget_s - cost_s) / set_ups.len() as f64;
+            if each_s <= 0.0 {
+                return f64::INFINITY;
+            }
+            let mut information = self.known.clone();
+            for &set_up in set_ups {
+                let Some(of_second) = &shared[set_up] else { return f64::INFINITY };
+                for i in 0..self.coefficients {
+                    for (sum, x) in information.row_mut(i).iter_mut().zip(of_second.row(i)) {
+                        *sum += each_s * x;
+                    }
+                }
+            }
+            Cholesky::of(&information)
+                .map_or(f64::INFINITY, |f| self.objective.value(&f.inverse(), self.coefficients))
+        };
+        let most = self.most_set_ups.min(count);
+        let mut sets: Vec<Vec<usize>> = vec![Vec::new()];
+        let mut all: Vec<Vec<usize>> = Vec::new();
+        for _ in 0..most {
+            let longer: Vec<Vec<usize>> = sets
+                .iter()
+                .flat_map(|set| {
+                    let first = set.last().map_or(0, |last| last + 1);
+                    (first..count).map(move |next| [set.as_slice(), &[next]].concat())
+                })
+                .collect();
+            all.extend(longer.iter().cloned());
+            sets = longer;
+            if all.len() > MOST_CHOICES {
+                all = self.built_up(most, &value);
+                break;
+            }
+        }
+        let mut valued: Vec<(f64, Vec<usize>)> =
+            all.into_par_iter().map(|set| (value(&set), set)).collect();
+        valued.retain(|(value, _)| value.is_finite());
+        valued.sort_by(|a, b| a.0.total_cmp(&b.0).then_with(|| a.1.cmp(&b.1)));
+        valued.into_iter().map(|(_, set)| set).collect()
+    }
+
+    /// From every pair of set-ups the best third, the best fourth and so on.
+    fn built_up(&self, most: usize, value: &(dyn Fn(&[usize]) -> f64 + Sync)) -> Vec<Vec<usize>> {
+        let count = self.set_up_s.len();
+        let mut all: Vec<Vec<usize>> = (0..count).map(|first| vec![first]).collect();
+        let mut sets = all.clone();
+        for _ in 1..most {
+            sets = sets
+                .par_iter()
+                .filter_map(|set| {
+                    let others = (0..count).filter(|next| !set.contains(next));
+                    let mut longer: Vec<(f64, Vec<usize>)> = others
+                        .map(|next| {
+                            let mut set = [set.as_slice(), &[next]].concat();
+                            set.sort_unstable();
+                            (value(&set), set)
+                        })
+                        .collect();
+                    longer.sort_by(|a, b| a.0.total_cmp(&b.0).then_with(|| a.1.cmp(&b.1)));
+                    longer.into_iter().next().map(|(_, set)| set)
+                })
+                .collect();
+            sets.sort();
+            sets.dedup();
+            all.extend(sets.iter().cloned());
+        }
+        all
+    }
+
+    /// What a set-up tells a second about the coefficients, its own errors unknown, if all its arcs share
+    /// the time evenly; `None` without arcs.
+    fn shared(&self, set_up: usize) -> Option<Matrix> {
+        let n = self.coefficients;
+        let mut information = Matrix::zeros(n + SET_UPS, n + SET_UPS);
+        let mut seconds = 0.0;
+        for arc in self.arcs.iter().filter(|arc| arc.set_up == set_up) {
+            add_information(&mut information, &arc.factor, 1.0);
+            seconds += arc.seconds;
+        }
+        if seconds == 0.0 {
+            return None;
+        }
+        // The Schur complement of the set-up errors.
+        let corner = Matrix::from_fn(SET_UPS, SET_UPS, |i, k| {
+            information[(n + i, n + k)] + if i == k { 1.0 } else { 0.0 }
+        });
+        let mut half = Matrix::from_fn(SET_UPS, n, |i, k| information[(n + i, k)]);
+        Cholesky::of(&corner)?.half_solve(&mut half);
+        let taken = half.transposed().times_own_transpose();
+        Some(Matrix::from_fn(n, n, |i, k| (information[(i, k)] - taken[(i, k)]) / seconds))
+    }
+
+    /// Arcs for some set-ups: greedily, then exchanged.
+    fn fill(&self, set_ups: &[usize], budget_s: f64) -> Chosen {
+        let cost_s: f64 = set_ups.iter().map(|&s| self.set_up_s[s]).sum();
+        let mut left_s = budget_s - cost_s;
+        let mut chosen: Vec<usize> = Vec::new();
+        let mut information = self.start(set_ups);
+        let mut value = f64::INFINITY;
+        while let Some(step) = self.step(set_ups, &information) {
+            value = step.value;
+            let best = self.best(&step, set_ups, left_s, true);
+            let Some((index, _)) = best else { break };
+            left_s -= self.arcs[index].seconds;
+            self.add(&mut information, set_ups, index, 1.0);
+            chosen.push(index);
+        }
+        for _ in 0..ROUNDS {
+            let before = value;
+            for place in 0..chosen.len() {
+                let old = chosen[place];
+                let freed_s = left_s + self.arcs[old].seconds;
+                self.add(&mut information, set_ups, old, -1.0);
+                let step = self.step(set_ups, &information);
+                let best = step.and_then(|step| {
+                    let (index, gain) = self.best(&step, set_ups, freed_s, false)?;
+                    Some((index, step.value - gain))
+                });
+                let new = match best {
+                    Some((index, better)) if value - better > WORTH * value.abs() => {
+                        value = better;
+                        index
+                    }
+                    _ => old,
+                };
+                self.add(&mut information, set_ups, new, 1.0);
+                left_s = freed_s - self.arcs[new].seconds;
+                chosen[place] = new;
+            }
+            if before - value <= WORTH * value.abs() {
+                break;
+            }
+        }
+        Chosen { set_ups: set_ups.to_vec(), arcs: chosen, value }
+    }
+
+    /// Information before the first arc.
+    fn start(&self, set_ups: &[usize]) -> Matrix {
+        let n = self.coefficients;
+        let total = n + SET_UPS * set_ups.len();
+        Matrix::from_fn(total, total, |i, k| match (i < n && k < n, i == k) {
+            (true, _) => self.known[(i, k)],
+            (false, true) => 1.0,
+            _ => 0.0,
+        })
+    }
+
+    /// Adds what an arc tells, `sign` times.
+    fn add(&self, information: &mut Matrix, set_ups: &[usize], index: usize, sign: f64) {
+        let arc = &self.arcs[index];
+        let columns = self.columns(set_ups, arc.set_up);
+        for row in 0..arc.factor.rows() {
+            let row = arc.factor.row(row);
+            for (&i, &a) in columns.iter().zip(row) {
+                for (&k, &b) in columns.iter().zip(row) {
+                    information[(i, k)] += sign * a * b;
+                }
+            }
+        }
+    }
+
+    /// Where the columns of a set-up's arcs stand among all.
+    fn columns(&self, set_ups: &[usize], set_up: usize) -> Vec<usize> {
+        let slot = set_ups.iter().position(|&s| s == set_up).unwrap_or(0);
+        let first = self.coefficients + SET_UPS * slot;
+        (0..self.coefficients).chain(first..first + SET_UPS).collect()
+    }
+
+    fn step(&self, set_ups: &[usize], information: &Matrix) -> Option<Step> {
+        let n = self.coefficients;
+        let c = Cholesky::of(information)?.inverse();
+        let of_set_up = set_ups
+            .iter()
+            .map(|&set_up| {
+                let columns = self.columns(set_ups, set_up);
+                Matrix::from_fn(n + SET_UPS, n + SET_UPS, |i, k| c[(columns[i], columns[k])])
+            })
+            .collect();
+        let corner = Matrix::from_fn(n, n, |i, k| c[(i, k)]);
+        let inverse = match self.objective.criterion {
+            Criterion::D => Some(Cholesky::of(&corner)?.inverse()),
+            _ => None,
+        };
+        let variances = match self.objective.criterion {
+            Criterion::G => self.objective.points.iter().map(|j| variance(j, &corner)).collect(),
+            _ => Vec::new(),
+        };
+        Some(Step { value: self.objective.value(&c, n), c, of_set_up, inverse, variances })
+    }
+
+    /// By how much an arc lowers the value.
+    fn gain(&self, step: &Step, set_ups: &[usize], index: usize) -> f64 {
+        let n = self.coefficients;
+        let arc = &self.arcs[index];
+        let Some(slot) = set_ups.iter().position(|&s| s == arc.set_up) else { return 0.0 };
+        let factor = &arc.factor;
+        let moved = factor.times(&step.of_set_up[slot]);
+        let r = factor.rows();
+        let k = Matrix::from_fn(r, r, |i, j| {
+            let sum: f64 = moved.row(i).iter().zip(factor.row(j)).map(|(a, b)| a * b).sum();
+            sum + if i == j { 1.0 } else { 0.0 }
+        });
+        let Some(root) = Cholesky::of(&k) else { return 0.0 };
+        let mut z = Matrix::from_fn(r, n, |i, j| moved[(i, j)]);
+        root.half_solve(&mut z);
+        match (self.objective.criterion, &step.inverse) {
+            (Criterion::D, Some(inverse)) => {
+                let stretched = z.times(inverse);
+                let rest = Matrix::from_fn(r, r, |i, j| {
+                    let sum: f64 = stretched.row(i).iter().zip(z.row(j)).map(|(a, b)| a * b).sum();
+                    (if i == j { 1.0 } else { 0.0 }) - sum
+                });
+                Cholesky::of(&rest).map_or(0.0, |f| -f.log_determinant())
+            }
+            (Criterion::G, _) => {
+                let across = z.transposed();
+                let left = |(j, v): (&Matrix, &f64)| {
+                    let moved = j.times(&across);
+                    let taken: f64 = (0..moved.rows())
+                        .map(|i| moved.row(i).iter().map(|x| x * x).sum::<f64>())
+                        .sum();
+                    v - taken
+                };
+                let after: Vec<f64> =
+                    self.objective.points.iter().zip(&step.variances).map(left).collect();
+                step.value - power_mean(&after)
+            }
+            _ => variance(&z, &self.objective.mean_square),
+        }
+    }
+
+    /// The arc with the largest gain, a second or in all, among those that fit into a time.
+    fn best(
+        &self,
+        step: &Step,
+        set_ups: &[usize],
+        left_s: f64,
+        a_second: bool,
+    ) -> Option<(usize, f64)> {
+        let gains: Vec<(usize, f64)> = (0..self.arcs.len())
+            .into_par_iter()
+            .filter(|&index| {
+                set_ups.contains(&self.arcs[index].set_up) && self.arcs[index].seconds <= left_s
+            })
+            .map(|index| (index, self.gain(step, set_ups, index)))
+            .collect();
+        let weight = |&(index, gain): &(usize, f64)| {
+            if a_second { gain / self.arcs[index].seconds } else { gain }
+        };
+        let best = gains.iter().fold(None, |best: Option<&(usize, f64)>, next| match best {
+            Some(best) if weight(best) >= weight(next) => Some(best),
+            _ => Some(next),
+        })?;
+        (best.1 > 0.0).then_some(*best)
+    }
+}
+
+/// Adds `weight · F^T F`.
+pub(super) fn add_information(information: &mut Matrix, factor: &Matrix, weight: f64) {
+    for row in 0..factor.rows() {
+        let row = factor.row(row);
+        for (i, &a) in row.iter().enumerate() {
+            for (sum, &b) in information.row_mut(i).iter_mut().zip(row) {
+                *sum += weight * a * b;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    /// Three coefficients; each arc tells of some of them and of the set-up errors of its mounting.
+    fn problem(criterion: Criterion) -> Problem {
+        let factor = |rows: &[[f64; 6]]| Matrix::from_fn(rows.len(), 6, |i, k| rows[i][k]);
+        let arc = |set_up, index, seconds, rows: &[[f64; 6]]| ArcInformation {
+            set_up,
+            arc: index,
+            seconds,
+            factor: factor(rows),
+        };
+        let square = Matrix::from_fn(3, 3, |i, k| if i == k { [1.0, 4.0, 0.5][i] } else { 0.2 });
+        Problem {
+            coefficients: 3,
+            objective: Objective {
+                criterion,
+                mean_square: square,
+                points: vec![
+                    Matrix::from_fn(2, 3, |i, k| (1 + i + k) as f64),
+                    Matrix::from_fn(2, 3, |i, k| 2.0 - (i * k) as f64),
+                ],
+            },
+            arcs: vec![
+                arc(0, 0, 10.0, &[[9.0, 1.0, 0.0, 3.0, 0.0, 1.0], [0.0, 4.0, 1.0, 0.0, 2.0, 0.0]]),
+                arc(0, 1, 10.0, &[[1.0, 8.0, 2.0, 1.0, 1.0, 0.0]]),
+                arc(0, 2, 20.0, &[[0.0, 3.0, 7.0, 0.0, 0.0, 5.0], [2.0, 2.0, 0.0, 4.0, 0.0, 0.0]]),
+                arc(1, 0, 10.0, &[[5.0, 0.0, 5.0, 0.0, 2.0, 2.0], [0.0, 1.0, 6.0, 1.0, 0.0, 0.0]]),
+                arc(1, 1, 5.0, &[[0.0, 6.0, 0.0, 3.0, 3.0, 0.0]]),
+            ],
+            set_up_s: vec![10.0, 15.0],
+            known: Matrix::identity(3),
+            most_set_ups: 2,
+        }
+    }
+
+    /// The gain of one more arc is the difference of the values before and after it.
+    #[test]
+    fn a_gain_is_the_difference_of_two_values() {
+        for criterion in [Criterion::A, Criterion::D, Criterion::G] {
+            let problem = problem(criterion);
+            let set_ups = [0, 1];
+            let mut information = problem.start(&set_ups);
+            problem.add(&mut information, &set_ups, 1, 1.0);
+            let step = problem.step(&set_ups, &information).unwrap();
+            for index in 0..problem.arcs.len() {
+                let mut with = information.clone();
+                problem.add(&mut with, &set_ups, index, 1.0);
+                let after = problem.step(&set_ups, &with).unwrap().value;
+                let gain = problem.gain(&step, &set_ups, index);
+                assert!((step.value - after - gain).abs() < 1e-12 * step.value.abs().max(1.0));
+                assert!(gain > 0.0);
+            }
+        }
+    }
+
+    /// Every affordable plan of the small problem is tried; the search comes within a few percent.
+    #[test]
+    fn the_search_comes_near_to_the_best_of_all_plans() {
+        for criterion in [Criterion::A, Criterion::D, Criterion::G] {
+            let problem = problem(criterion);
+            let budget_s = 70.0;
+            let found = problem.solve(budget_s).unwrap();
+            let mut best = f64::INFINITY;
+            for counts in 0..4_usize.pow(5) {
+                let counts: Vec<usize> = (0..5).map(|k| counts / 4_usize.pow(k) % 4).collect();
+                let set_ups: Vec<usize> = (0..2)
+                    .filter(|&s| (0..5).any(|k| counts[k] > 0 && problem.arcs[k].set_up == s))
+                    .collect();
+                let cost_s: f64 = set_ups.iter().map(|&s| problem.set_up_s[s]).sum::<f64>()
+                    + (0..5).map(|k| counts[k] as f64 * problem.arcs[k].seconds).sum::<f64>();
+                if cost_s > budget_s || set_ups.is_empty() {
+                    continue;
+                }
+                let mut information = problem.start(&set_ups);
+                for (k, &count) in counts.iter().enumerate() {
+                    problem.add(&mut information, &set_ups, k, count as f64);
+                }
+                best = best.min(problem.step(&set_ups, &information).unwrap().value);
+            }
+            let near = if criterion == Criterion::D { 0.1 } else { 0.1 * best };
+            assert!(
+                found.value >= best - 1e-12 && found.value - best < near,
+                "{criterion:?} {} {best}",
+                found.value
+            );
+            assert_eq!(problem.solve(budget_s).unwrap(), found, "deterministic");
+        }
+    }
+
+    #[test]
+    fn without_time_there_is_no_plan() {
+        let problem = problem(Criterion::A);
+        assert!(problem.solve(19.0).is_none());
+        assert!((problem.shortest_s() - 20.0).abs() < 1e-12);
+        assert!(problem.solve(20.0).is_some());
+    }
+}
