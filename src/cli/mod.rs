@@ -7,6 +7,7 @@
 mod align;
 mod analyse;
 mod demo;
+mod design;
 mod estimate;
 mod identify;
 mod machines;
@@ -72,6 +73,7 @@ enum Command {
     Align(align::Arguments),
     Identify(identify::Arguments),
     Analyse(analyse::Arguments),
+    Design(design::Arguments),
     Demo(demo::Arguments),
     Machines(machines::Arguments),
     Paper(paper::Arguments),
@@ -90,6 +92,7 @@ pub fn main() -> ExitCode {
         Command::Align(arguments) => arguments.run(common, &talk),
         Command::Identify(arguments) => arguments.run(common, &talk),
         Command::Analyse(arguments) => arguments.run(common, &talk),
+        Command::Design(arguments) => arguments.run(common, &talk),
         Command::Demo(arguments) => arguments.run(common, &talk),
         Command::Machines(arguments) => arguments.run(common, &talk),
         Command::Paper(arguments) => arguments.run(common, &talk),

@@ -49,6 +49,18 @@ impl Talk {
     }
 }
 
+impl Talk {
+    /// Something that turns on a terminal while a thing of unknown length takes its time.
+    pub(super) fn spinner(&self, what: &'static str) -> ProgressBar {
+        if self.quiet || !std::io::stderr().is_terminal() {
+            return ProgressBar::hidden();
+        }
+        let bar = ProgressBar::new_spinner().with_message(what);
+        bar.enable_steady_tick(Duration::from_millis(100));
+        bar
+    }
+}
+
 /// A summary on stdout: on a terminal its headings, the lines that are not indented, stand out.
 pub(super) fn print_summary(text: &str) -> Result<()> {
     if !std::io::stdout().is_terminal() || std::env::var_os("NO_COLOR").is_some() {

@@ -53,24 +53,29 @@ pub(super) struct ArcInformation {
 }
 
 impl Basis {
-    /// Rows of a set-up along an arc, both ways: coefficients in their sizes, then set-up errors.
-    fn rows(&self, machine: &Machine, set_up: &SetUpCandidate, arc: &Arc) -> Vec<Vec<f64>> {
+    /// Situations of a set-up along an arc, both ways.
+    fn situations(
+        machine: &Machine,
+        set_up: &SetUpCandidate,
+        arc: &Arc,
+    ) -> impl Iterator<Item = Situation> {
         let points = (POINTS * arc.sweep_rad.abs() / std::f64::consts::PI).ceil().max(6.0) as usize;
         // An even number: no point then lies where a slide turns round.
         let points = points + points % 2;
-        let mut value = [0.0];
         ideal_poses(&set_up.mounting, arc, set_up.bar_mm, points)
             .filter_map(|pose| Situation::new(machine, &set_up.mounting, 0, &pose))
-            .map(|at| {
-                let mut row = Vec::with_capacity(self.coefficients.len() + SET_UPS);
-                for (coefficient, size) in self.coefficients.iter().zip(&self.sizes) {
-                    coefficient.columns(&at, &mut value);
-                    row.push(value[0] * size);
-                }
-                row.extend(at.direction.iter().map(|along| along * self.set_up_mm));
-                row
-            })
-            .collect()
+    }
+
+    /// The row of one situation: coefficients in their sizes, then the set-up errors of its mounting.
+    pub(super) fn row(&self, at: &Situation) -> Vec<f64> {
+        let mut value = [0.0];
+        let mut row = Vec::with_capacity(self.coefficients.len() + SET_UPS);
+        for (coefficient, size) in self.coefficients.iter().zip(&self.sizes) {
+            coefficient.columns(at, &mut value);
+            row.push(value[0] * size);
+        }
+        row.extend(at.direction.iter().map(|along| along * self.set_up_mm));
+        row
     }
 
     /// What an arc tells in a set-up.
@@ -82,7 +87,8 @@ impl Basis {
         bar: &BallBar,
         feed_mm_s: f64,
     ) -> Matrix {
-        let rows = self.rows(machine, set_up, arc);
+        let rows: Vec<Vec<f64>> =
+            Self::situations(machine, set_up, arc).map(|at| self.row(&at)).collect();
         let length_mm = arc.circle_radius_mm(set_up.bar_mm) * arc.sweep_rad.abs();
         let samples = 2.0 * length_mm / feed_mm_s * bar.sample_rate_hz;
         let variance = stated_noise(bar).long_run_variance();
@@ -93,12 +99,15 @@ impl Basis {
     }
 }
 
-/// Of coefficients, visited in this order, those that the set-ups together can tell apart, by all arcs
-/// that `arcs` gives for each; the set-up errors of every mounting are unknown besides.
+/// Of coefficients, visited in this order, those that at most `most` of the set-ups can tell apart, by the
+/// arcs that are given for each; the set-up errors of every mounting are unknown besides.
+///
+/// The set-ups are taken one after the other, always the one that adds most.
 pub(super) fn tellable(
     machine: &Machine,
     order: &[Coefficient],
     set_ups: &[(&SetUpCandidate, Vec<&Arc>)],
+    most: usize,
 ) -> Result<Choice> {
     let all = Basis { coefficients: order.to_vec(), sizes: vec![1.0; order.len()], set_up_mm: 1.0 };
     let columns = order.len() + SET_UPS;
@@ -109,33 +118,57 @@ pub(super) fn tellable(
             let mut tsqr = Tsqr::new(columns);
             let mut squares = vec![0.0; order.len()];
             for arc in arcs {
-                for row in all.rows(machine, set_up, arc) {
+                for at in Basis::situations(machine, set_up, arc) {
+                    let row = all.row(&at);
                     let (coefficients, balls) = row.split_at(order.len());
                     tsqr.push(&[balls, coefficients].concat(), 0.0);
-                    for (square, value) in squares.iter_mut().zip(coefficients) {
-                        *square += value * value;
+                    // What the columns would be if nothing in them cancelled.
+                    let lever_mm = set_up.mounting.tool_ball_mm.norm() + at.pose.position_mm.norm();
+                    for (square, c) in squares.iter_mut().zip(order) {
+                        let basis = at.basis[c.slide.index()][c.power as usize];
+                        let lever = if c.component.is_angular() { lever_mm } else { 1.0 };
+                        *square += (basis * lever).powi(2);
                     }
                 }
             }
             Ok((tsqr.finish()?.r().clone(), squares))
         })
         .collect();
-    let mut rows = Tsqr::new(order.len());
-    let mut squares = vec![0.0; order.len()];
-    for part in parts {
-        let (r, of_part) = part?;
-        for i in SET_UPS..columns {
-            rows.push(&r.row(i)[SET_UPS..], 0.0);
+    let parts = parts.into_iter().collect::<Result<Vec<_>>>()?;
+    let visit: Vec<usize> = (0..order.len()).collect();
+    let told = |chosen: &[usize]| -> Result<Choice> {
+        let mut rows = Tsqr::new(order.len());
+        let mut squares = vec![0.0; order.len()];
+        for &part in chosen {
+            let (r, of_part) = &parts[part];
+            for i in SET_UPS..columns {
+                rows.push(&r.row(i)[SET_UPS..], 0.0);
+            }
+            for (square, more) in squares.iter_mut().zip(of_part) {
+                *square += more;
+            }
         }
-        for (square, more) in squares.iter_mut().zip(of_part) {
-            *square += more;
+        // A column that is shorter than this was the set-up's alone.
+        let references: Vec<f64> =
+            squares.iter().map(|s| s.sqrt() * ROUNDING / crate::solve::VANISHED).collect();
+        rows.finish()?.choose(&visit, &references, Truncation::Relative(TOLERANCE))
+    };
+    let (mut chosen, mut best) = (Vec::new(), Choice::default());
+    for _ in 0..most.min(parts.len()) {
+        let with = |next: usize| [chosen.as_slice(), &[next]].concat();
+        let others: Vec<usize> = (0..parts.len()).filter(|next| !chosen.contains(next)).collect();
+        let tried: Vec<Result<Choice>> = others.par_iter().map(|&next| told(&with(next))).collect();
+        let tried = tried.into_iter().collect::<Result<Vec<_>>>()?;
+        let Some(place) = (0..tried.len()).rev().max_by_key(|&k| tried[k].kept.len()) else {
+            break;
+        };
+        if tried[place].kept.len() <= best.kept.len() {
+            break;
         }
+        best = tried[place].clone();
+        chosen.push(others[place]);
     }
-    // A column that is shorter than this was the set-up's alone.
-    let references: Vec<f64> =
-        squares.iter().map(|s| s.sqrt() * ROUNDING / crate::solve::VANISHED).collect();
-    let order: Vec<usize> = (0..order.len()).collect();
-    rows.finish()?.choose(&order, &references, Truncation::Relative(TOLERANCE))
+    Ok(best)
 }
 
 /// The basis of coefficients with sizes that each displace the tool by `unknown_mm` rms over a volume.

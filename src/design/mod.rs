@@ -1,13 +1,20 @@
 //! What a test will see before it is run, and which test sees most.
 
 mod candidates;
+mod given;
 mod information;
+mod ordering;
 mod outlook;
 mod planned;
+mod proposal;
+mod relaxed;
 mod search;
 mod volume;
+mod written;
 
 pub use candidates::{SetUpCandidate, can_drive, candidate_arcs, set_up_candidates};
+pub use given::Measured;
 pub use outlook::{MountingOutlook, Outlook, TimeByKind, Unseen};
 pub use planned::PlannedProgram;
+pub use proposal::{Designer, NextArc, Proposal, ProposedSetUp};
 pub use volume::{PointSigma, Volume, VolumeSigma, of_coefficients};

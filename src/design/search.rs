@@ -12,9 +12,9 @@
 //!
 //! G's largest value has no slope where another point is nearly as bad; a high power of it has.
 //!
-//! Set-ups are chosen first, by what they tell if all their arcs share the time; then arcs, greedily by
-//! gain a second; then each is exchanged for a better one until none is. Nothing is drawn at random, and
-//! ties go to the first: the same request gives the same plan.
+//! Set-ups are chosen first, by what they tell if all their arcs share the time; then arcs: from the best
+//! shares of time rounded to whole arcs, and greedily; then each is exchanged for better ones until none
+//! is. Nothing is drawn at random, and ties go to the first: the same request gives the same plan.
 
 use rayon::prelude::*;
 
@@ -23,15 +23,15 @@ use crate::plan::Criterion;
 use crate::solve::{Cholesky, Matrix};
 
 /// Power of the mean that stands for the worst point.
-const POWER: i32 = 4;
+pub(super) const POWER: i32 = 4;
 /// An exchange gains at least this part of the value.
 const WORTH: f64 = 1e-3;
-/// Rounds of exchanges at the most.
-const ROUNDS: usize = 3;
+/// Gains that are looked at, at the most, while arcs are exchanged: some seconds' worth.
+const LOOKS: usize = 24_000;
 /// So many choices of set-ups are looked at one by one; of more, the best is built up step by step.
 const MOST_CHOICES: usize = 600;
 /// So many of them are filled with arcs.
-const FILLED: usize = 2;
+const FILLED: usize = 1;
 
 /// What is to be small.
 #[derive(Debug, Clone)]
@@ -63,11 +63,13 @@ pub(super) struct Chosen {
     pub(super) set_ups: Vec<usize>,
     pub(super) arcs: Vec<usize>,
     pub(super) value: f64,
+    /// No plan of the same set-ups, arcs and time is below this.
+    pub(super) bound: f64,
 }
 
 impl Objective {
     /// The value for a covariance whose first rows are the coefficients'.
-    fn value(&self, c: &Matrix, coefficients: usize) -> f64 {
+    pub(super) fn value(&self, c: &Matrix, coefficients: usize) -> f64 {
         let corner = Matrix::from_fn(coefficients, coefficients, |i, k| c[(i, k)]);
         match self.criterion {
             Criterion::A => trace_of_product(&self.mean_square, &corner),
@@ -82,25 +84,44 @@ impl Objective {
 }
 
 /// `trace(A B)` of symmetric matrices.
-fn trace_of_product(a: &Matrix, b: &Matrix) -> f64 {
+pub(super) fn trace_of_product(a: &Matrix, b: &Matrix) -> f64 {
     (0..a.rows()).map(|i| a.row(i).iter().zip(b.row(i)).map(|(a, b)| a * b).sum::<f64>()).sum()
 }
 
 /// `trace(J C J^T)`.
-fn variance(j: &Matrix, c: &Matrix) -> f64 {
+pub(super) fn variance(j: &Matrix, c: &Matrix) -> f64 {
     let spread = j.times(c);
     (0..j.rows()).map(|i| j.row(i).iter().zip(spread.row(i)).map(|(a, b)| a * b).sum::<f64>()).sum()
 }
 
-fn power_mean(values: &[f64]) -> f64 {
+pub(super) fn power_mean(values: &[f64]) -> f64 {
     let sum: f64 = values.iter().map(|v| v.max(0.0).powi(POWER)).sum();
     (sum / values.len().max(1) as f64).powf(f64::from(POWER).recip())
 }
 
+/// Arcs that were chosen so far.
+#[derive(Debug, Clone)]
+struct Filling {
+    arcs: Vec<usize>,
+    information: Matrix,
+    left_s: f64,
+}
+
+/// Set-ups, and the arcs in them that are worth looking at.
+struct Support<'a> {
+    set_ups: &'a [usize],
+    arcs: &'a [usize],
+}
+
+/// By what an arc is chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Weight {
+    Gain,
+    GainASecond,
+}
+
 /// What holds for all candidates of one step.
 struct Step {
-    /// Covariance, set-up errors of the chosen set-ups after the coefficients.
-    c: Matrix,
     /// For each chosen set-up the rows and columns of its arcs.
     of_set_up: Vec<Matrix>,
     value: f64,
@@ -114,7 +135,8 @@ impl Problem {
     /// Chooses set-ups and arcs for a budget, s; `None` if not one arc of one set-up fits.
     pub(super) fn solve(&self, budget_s: f64) -> Option<Chosen> {
         let choices = self.choices(budget_s);
-        let filled = choices.into_iter().take(FILLED).map(|set_ups| self.fill(&set_ups, budget_s));
+        let filled =
+            choices.into_iter().take(FILLED).map(|set_ups| self.fill(&set_ups, budget_s, LOOKS));
         filled
             .filter(|chosen| !chosen.arcs.is_empty())
             .reduce(|best, next| if next.value < best.value { next } else { best })
@@ -124,6 +146,11 @@ impl Problem {
     pub(super) fn shortest_s(&self) -> f64 {
         let of_arc = |arc: &ArcInformation| self.set_up_s[arc.set_up] + arc.seconds;
         self.arcs.iter().map(of_arc).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The criterion before the first arc.
+    pub(super) fn value_before(&self) -> f64 {
+        self.step(&[], &self.known).map_or(f64::INFINITY, |step| step.value)
     }
 
     /// The best single arcs after what is known, by gain a second, each with the value that it leaves.
@@ -239,52 +266,144 @@ impl Problem {
         Some(Matrix::from_fn(n, n, |i, k| (information[(i, k)] - taken[(i, k)]) / seconds))
     }
 
-    /// Arcs for some set-ups: greedily, then exchanged.
-    fn fill(&self, set_ups: &[usize], budget_s: f64) -> Chosen {
+    /// Arcs for some set-ups: of three beginnings the best, bettered until nothing betters it.
+    ///
+    /// `looks` bounds how many gains are looked at while arcs are exchanged.
+    /// Only arcs that the best shares of time come near to take part: what tells much less a second
+    /// there is in no good plan.
+    pub(super) fn fill(&self, set_ups: &[usize], budget_s: f64, looks: usize) -> Chosen {
         let cost_s: f64 = set_ups.iter().map(|&s| self.set_up_s[s]).sum();
-        let mut left_s = budget_s - cost_s;
-        let mut chosen: Vec<usize> = Vec::new();
-        let mut information = self.start(set_ups);
-        let mut value = f64::INFINITY;
-        while let Some(step) = self.step(set_ups, &information) {
-            value = step.value;
-            let best = self.best(&step, set_ups, left_s, true);
-            let Some((index, _)) = best else { break };
-            left_s -= self.arcs[index].seconds;
-            self.add(&mut information, set_ups, index, 1.0);
-            chosen.push(index);
-        }
-        for _ in 0..ROUNDS {
-            let before = value;
-            for place in 0..chosen.len() {
-                let old = chosen[place];
-                let freed_s = left_s + self.arcs[old].seconds;
-                self.add(&mut information, set_ups, old, -1.0);
-                let step = self.step(set_ups, &information);
-                let best = step.and_then(|step| {
-                    let (index, gain) = self.best(&step, set_ups, freed_s, false)?;
-                    Some((index, step.value - gain))
-                });
-                let new = match best {
-                    Some((index, better)) if value - better > WORTH * value.abs() => {
-                        value = better;
-                        index
-                    }
-                    _ => old,
-                };
-                self.add(&mut information, set_ups, new, 1.0);
-                left_s = freed_s - self.arcs[new].seconds;
-                chosen[place] = new;
-            }
-            if before - value <= WORTH * value.abs() {
-                break;
+        let left_s = budget_s - cost_s;
+        let relaxed = self.relaxed(set_ups, left_s);
+        let support = Support { set_ups, arcs: &relaxed.support };
+        let empty = Filling { arcs: Vec::new(), information: self.start(set_ups), left_s };
+        // Whole arcs from the best shares of time, and the rest greedily.
+        let mut of_shares = empty.clone();
+        let mut shares = relaxed.seconds.clone();
+        shares.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        for (index, seconds) in shares {
+            let arc_s = self.arcs[index].seconds;
+            for _ in 0..(seconds / arc_s).round() as usize {
+                if arc_s <= of_shares.left_s {
+                    self.put(&mut of_shares, set_ups, index);
+                }
             }
         }
-        Chosen { set_ups: set_ups.to_vec(), arcs: chosen, value }
+        let beginnings = [
+            self.filled_up(of_shares, &support, Weight::GainASecond),
+            self.filled_up(empty.clone(), &support, Weight::GainASecond),
+            self.filled_up(empty.clone(), &support, Weight::Gain),
+        ];
+        let mut beginnings: Vec<(f64, Filling)> = beginnings
+            .into_iter()
+            .map(|filling| (self.value_of(&filling, set_ups), filling))
+            .collect();
+        beginnings.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // A look at every point costs some times a look at their mean.
+        let mut looks = if self.objective.criterion == Criterion::G { looks / 4 } else { looks };
+        let (filling, value) = beginnings
+            .into_iter()
+            .map(|(_, filling)| self.bettered(filling, &support, &mut looks))
+            .reduce(|best, next| if next.1 < best.1 { next } else { best })
+            .unwrap_or((empty, f64::INFINITY));
+        let arcs = filling.arcs;
+        Chosen { set_ups: set_ups.to_vec(), arcs, value, bound: relaxed.bound }
+    }
+
+    fn value_of(&self, filling: &Filling, set_ups: &[usize]) -> f64 {
+        self.step(set_ups, &filling.information).map_or(f64::INFINITY, |step| step.value)
+    }
+
+    /// Adds arcs, the heaviest first, until none fits.
+    fn filled_up(&self, mut filling: Filling, support: &Support<'_>, weight: Weight) -> Filling {
+        while support.arcs.iter().any(|&index| self.arcs[index].seconds <= filling.left_s) {
+            let Some(step) = self.step(support.set_ups, &filling.information) else { break };
+            let Some((index, _)) = self.best(&step, support, filling.left_s, weight) else { break };
+            self.put(&mut filling, support.set_ups, index);
+        }
+        filling
+    }
+
+    /// Takes one arc out, or where that gains nothing two, and fills up again with the best arc first or
+    /// with what tells most a second; until nothing is worth it, or `looks` have been spent.
+    fn bettered(
+        &self,
+        mut filling: Filling,
+        support: &Support<'_>,
+        looks: &mut usize,
+    ) -> (Filling, f64) {
+        let mut value = self.value_of(&filling, support.set_ups);
+        'again: loop {
+            let count = filling.arcs.len();
+            let alone = (0..count).map(|place| vec![place]);
+            let pairs = (0..count).flat_map(|a| (0..a).map(move |b| vec![a, b]));
+            for places in alone.chain(pairs) {
+                if *looks == 0 {
+                    break 'again;
+                }
+                let better = self.refilled(&filling, &places, support, value, looks);
+                if let Some((next, next_value)) = better {
+                    (filling, value) = (next, next_value);
+                    continue 'again;
+                }
+            }
+            break;
+        }
+        (filling, value)
+    }
+
+    /// The filling without the arcs at some places, the last place first, filled up again; if that is
+    /// worth it.
+    fn refilled(
+        &self,
+        filling: &Filling,
+        places: &[usize],
+        support: &Support<'_>,
+        value: f64,
+        looks: &mut usize,
+    ) -> Option<(Filling, f64)> {
+        let set_ups = support.set_ups;
+        let mut without = filling.clone();
+        for &place in places {
+            let old = without.arcs.remove(place);
+            without.left_s += self.arcs[old].seconds;
+            self.add(&mut without.information, set_ups, old, -1.0);
+        }
+        let step = self.step(set_ups, &without.information)?;
+        let firsts = [Weight::Gain, Weight::GainASecond]
+            .map(|weight| self.best(&step, support, without.left_s, weight));
+        *looks = looks.saturating_sub(support.arcs.len());
+        for (k, first) in firsts.iter().enumerate() {
+            let Some((index, gain)) = first else { continue };
+            // The same arc again is no news.
+            if k == 1 && *first == firsts[0] {
+                continue;
+            }
+            let mut next = without.clone();
+            self.put(&mut next, set_ups, *index);
+            let alone = next.arcs.len();
+            let next = self.filled_up(next, support, Weight::Gain);
+            *looks = looks.saturating_sub((next.arcs.len() - alone) * support.arcs.len());
+            let next_value = if next.arcs.len() == alone {
+                step.value - gain
+            } else {
+                self.value_of(&next, set_ups)
+            };
+            if value - next_value > WORTH * value.abs() {
+                return Some((next, next_value));
+            }
+        }
+        None
+    }
+
+    fn put(&self, filling: &mut Filling, set_ups: &[usize], index: usize) {
+        self.add(&mut filling.information, set_ups, index, 1.0);
+        filling.left_s -= self.arcs[index].seconds;
+        filling.arcs.push(index);
     }
 
     /// Information before the first arc.
-    fn start(&self, set_ups: &[usize]) -> Matrix {
+    pub(super) fn start(&self, set_ups: &[usize]) -> Matrix {
         let n = self.coefficients;
         let total = n + SET_UPS * set_ups.len();
         Matrix::from_fn(total, total, |i, k| match (i < n && k < n, i == k) {
@@ -295,7 +414,7 @@ impl Problem {
     }
 
     /// Adds what an arc tells, `sign` times.
-    fn add(&self, information: &mut Matrix, set_ups: &[usize], index: usize, sign: f64) {
+    pub(super) fn add(&self, information: &mut Matrix, set_ups: &[usize], index: usize, sign: f64) {
         let arc = &self.arcs[index];
         let columns = self.columns(set_ups, arc.set_up);
         for row in 0..arc.factor.rows() {
@@ -309,7 +428,7 @@ impl Problem {
     }
 
     /// Where the columns of a set-up's arcs stand among all.
-    fn columns(&self, set_ups: &[usize], set_up: usize) -> Vec<usize> {
+    pub(super) fn columns(&self, set_ups: &[usize], set_up: usize) -> Vec<usize> {
         let slot = set_ups.iter().position(|&s| s == set_up).unwrap_or(0);
         let first = self.coefficients + SET_UPS * slot;
         (0..self.coefficients).chain(first..first + SET_UPS).collect()
@@ -334,7 +453,7 @@ impl Problem {
             Criterion::G => self.objective.points.iter().map(|j| variance(j, &corner)).collect(),
             _ => Vec::new(),
         };
-        Some(Step { value: self.objective.value(&c, n), c, of_set_up, inverse, variances })
+        Some(Step { value: self.objective.value(&c, n), of_set_up, inverse, variances })
     }
 
     /// By how much an arc lowers the value.
@@ -382,19 +501,19 @@ impl Problem {
     fn best(
         &self,
         step: &Step,
-        set_ups: &[usize],
+        support: &Support<'_>,
         left_s: f64,
-        a_second: bool,
+        weight: Weight,
     ) -> Option<(usize, f64)> {
-        let gains: Vec<(usize, f64)> = (0..self.arcs.len())
-            .into_par_iter()
-            .filter(|&index| {
-                set_ups.contains(&self.arcs[index].set_up) && self.arcs[index].seconds <= left_s
-            })
-            .map(|index| (index, self.gain(step, set_ups, index)))
+        let gains: Vec<(usize, f64)> = support
+            .arcs
+            .par_iter()
+            .filter(|&&index| self.arcs[index].seconds <= left_s)
+            .map(|&index| (index, self.gain(step, support.set_ups, index)))
             .collect();
-        let weight = |&(index, gain): &(usize, f64)| {
-            if a_second { gain / self.arcs[index].seconds } else { gain }
+        let weight = |&(index, gain): &(usize, f64)| match weight {
+            Weight::Gain => gain,
+            Weight::GainASecond => gain / self.arcs[index].seconds,
         };
         let best = gains.iter().fold(None, |best: Option<&(usize, f64)>, next| match best {
             Some(best) if weight(best) >= weight(next) => Some(best),

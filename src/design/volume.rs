@@ -148,6 +148,15 @@ impl Volume {
         })
     }
 
+    /// Counts every coefficient in a size of its own from here on.
+    pub(super) fn scale(&mut self, sizes: &[f64]) {
+        for i in 0..self.field.rows() {
+            for (value, size) in self.field.row_mut(i).iter_mut().zip(sizes) {
+                *value *= size;
+            }
+        }
+    }
+
     /// Number of points.
     pub fn points(&self) -> usize {
         self.points_mm.len()

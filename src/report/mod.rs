@@ -19,6 +19,7 @@ mod machine_errors;
 mod mountings;
 mod numbers;
 mod paper;
+mod proposal;
 mod samples;
 mod svg;
 mod svg_chart;
@@ -35,5 +36,6 @@ pub use analysis::{
 };
 pub use machine_errors::{Hysteresis, MachineErrors, Reversal, Scale, Squareness};
 pub use paper::{nearest_text, paper_json, paper_page, paper_text};
+pub use proposal::{proposal_json, proposal_text, unseen_of};
 pub use samples::{write_aligned, write_samples};
 pub use terminal::{runs_table, summary};

@@ -1,0 +1,76 @@
+//! `ballbar design`: the test that sees most in the time there is.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::Common;
+use super::output::{self, Files, Talk};
+use crate::design::{Designer, Measured, Outlook};
+use crate::error::{Error, Kind, Place, Result};
+use crate::plan::Test;
+use crate::report;
+
+/// Design a test: arcs and mountings that tell most in a budget of time
+///
+/// Reads the `[design]` of a test file, chooses set-ups and arcs, and writes `test.toml`, ready for
+/// `ballbar plan` and `ballbar program`.
+#[derive(Args)]
+#[command(after_help = "Examples:
+  ballbar design wish.toml -o designed && ballbar plan designed/test.toml
+  ballbar design wish.toml --given results/analysis.json    what to measure next")]
+pub(super) struct Arguments {
+    /// The test file with a `[design]`
+    #[arg(value_name = "TEST")]
+    test: PathBuf,
+    /// An analysis of what was measured already; the design goes on from there
+    #[arg(long, value_name = "ANALYSIS")]
+    given: Option<PathBuf>,
+}
+
+impl Arguments {
+    pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
+        let test = Test::read(&self.test)?;
+        let machine = test.machine()?;
+        let measured = self.given.as_deref().map(Measured::read).transpose()?;
+        let progress = talk.spinner("designing");
+        let designer = Designer::new(&test, &machine, measured.as_ref())?;
+        let mut proposal = designer.propose()?;
+        if measured.is_some() {
+            proposal.next = designer.next();
+        }
+        let file = common.output.join("test.toml");
+        let designed = Test::parse(&proposal.text, &file)?;
+        let outlook = Outlook::new(&designed, &machine)?;
+        progress.finish_and_clear();
+        // What was wanted and is not seen in the time there is.
+        let unseen = report::unseen_of(&proposal, &outlook);
+        if !unseen.is_empty() && measured.is_none() {
+            return Err(Error::new(
+                Kind::Undetermined,
+                format!(
+                    "within {:.0} min the best test leaves {} of {} wanted coefficients unseen: {}",
+                    proposal.total_s / 60.0,
+                    unseen.len(),
+                    proposal.wanted.len(),
+                    unseen.join(", ")
+                ),
+            )
+            .at(Place::file(&self.test))
+            .hint("give more `budget_min` or `most_mountings`, or leave them out of `wanted`"));
+        }
+        let mut files = Files::default();
+        files.add(file, proposal.text.clone());
+        files.keep(&[self.test.clone(), machine.file().to_path_buf()])?;
+        let files = files.write()?;
+        if common.json {
+            output::print(&format!("{:#}\n", report::proposal_json(&test, &proposal, &outlook)))?;
+        } else {
+            output::print_summary(&report::proposal_text(&test, &proposal, &outlook))?;
+        }
+        for file in files {
+            talk.say(&format!("wrote {}", file.display()));
+        }
+        Ok(())
+    }
+}

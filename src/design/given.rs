@@ -1,0 +1,173 @@
+//! What was measured already: an analysis as the beginning of a design.
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use super::information::{Basis, SET_UPS};
+use super::search::add_information;
+use crate::align;
+use crate::error::{Error, Place, Result};
+use crate::identify;
+use crate::input;
+use crate::machine::Machine;
+use crate::model::Situation;
+use crate::nc;
+use crate::plan::Test;
+use crate::solve::{Matrix, NoiseModel, Tsqr};
+
+/// The runs of an analysis, with the noise that it found.
+#[derive(Debug)]
+pub struct Measured {
+    test: Test,
+    /// Long-run variance of a reading, mm².
+    variance_mm2: f64,
+}
+
+#[derive(Deserialize)]
+struct RawAnalysis {
+    format: String,
+    test: RawFacts,
+    repeats: Vec<RawRepeat>,
+}
+
+#[derive(Deserialize)]
+struct RawFacts {
+    file: PathBuf,
+    sha256: String,
+}
+
+#[derive(Deserialize)]
+struct RawRepeat {
+    noise: RawNoise,
+}
+
+#[derive(Deserialize)]
+struct RawNoise {
+    innovation_um: f64,
+    autoregressive: Vec<f64>,
+}
+
+impl Measured {
+    /// Reads an `analysis.json` and the test file that it names.
+    ///
+    /// # Errors
+    /// When the file is no analysis; when the test file is gone or has changed since.
+    pub fn read(file: &Path) -> Result<Self> {
+        let bytes = input::read(file, "analysis")?;
+        let analysis: RawAnalysis = serde_json::from_slice(&bytes).map_err(|error| {
+            Error::input(format!("this is not an analysis: {error}"))
+                .at(Place::file(file))
+                .hint("give the analysis.json that `ballbar analyse` wrote")
+        })?;
+        if !analysis.format.starts_with("ballbar.analysis/1") {
+            return Err(Error::input(format!("the format `{}` is unknown", analysis.format))
+                .at(Place::file(file))
+                .hint("analyse the test again with this version"));
+        }
+        // As it was named from where the analysis was made, or beside the analysis.
+        let beside = file.parent().unwrap_or(Path::new("")).join(&analysis.test.file);
+        let test_file = if analysis.test.file.exists() { analysis.test.file } else { beside };
+        let test = Test::read(&test_file)?;
+        if test.hash() != analysis.test.sha256 {
+            return Err(Error::input("the test file is not the one that was analysed")
+                .at(Place::file(&test_file))
+                .hint("analyse the test again, or put the old file back"));
+        }
+        let mut variances = Vec::new();
+        for repeat in &analysis.repeats {
+            let noise = &repeat.noise;
+            let model = NoiseModel::autoregressive(
+                noise.autoregressive.clone(),
+                noise.innovation_um * 1e-3,
+            )
+            .map_err(|error| error.at(Place::file(file)))?;
+            variances.push(model.long_run_variance());
+        }
+        let variance_mm2 = variances.iter().sum::<f64>() / variances.len() as f64;
+        let usable = variance_mm2.is_finite() && variance_mm2 > 0.0;
+        if !usable {
+            return Err(Error::input("the analysis states no noise")
+                .at(Place::file(file))
+                .hint("analyse the test again"));
+        }
+        Ok(Self { test, variance_mm2 })
+    }
+
+    /// The mounting of the last run: its balls are taken to be where they were.
+    pub fn mounted(&self) -> Option<&str> {
+        let last = self.test.runs().ok()?.last()?;
+        self.test.mountings().get(last.mounting).map(|named| named.name.as_str())
+    }
+
+    /// The test that was analysed.
+    pub fn test(&self) -> &Test {
+        &self.test
+    }
+
+    /// Adds what the runs tell about the coefficients, the set-up errors of every run unknown.
+    pub(super) fn add_to(
+        &self,
+        known: &mut Matrix,
+        basis: &Basis,
+        machine: &Machine,
+    ) -> Result<()> {
+        let mut done: Vec<(PathBuf, usize, Matrix)> = Vec::new();
+        for run in self.test.runs()? {
+            let same = done.iter().find(|(program, mounting, _)| {
+                *program == run.program && *mounting == run.mounting
+            });
+            let information = match same {
+                Some((.., information)) => information.clone(),
+                None => self.of_run(&run.program, run.mounting, basis, machine)?,
+            };
+            for i in 0..known.rows() {
+                for (sum, x) in known.row_mut(i).iter_mut().zip(information.row(i)) {
+                    *sum += x;
+                }
+            }
+            if same.is_none() {
+                done.push((run.program.clone(), run.mounting, information));
+            }
+        }
+        Ok(())
+    }
+
+    /// What one run of a program tells about the coefficients.
+    fn of_run(
+        &self,
+        program: &Path,
+        mounting: usize,
+        basis: &Basis,
+        machine: &Machine,
+    ) -> Result<Matrix> {
+        let named = &self.test.mountings()[mounting];
+        let mut reading = nc::Reading::default();
+        reading.work_offsets_mm.insert(named.work_offset, named.mounting.coincidence_mm);
+        let program = nc::read_file(program, &reading)?;
+        let bar = self.test.bar_of(mounting);
+        let rehearsed = identify::rehearse(&program, machine, &bar, mounting, named)?;
+        let n = basis.coefficients.len();
+        let mut rows = Tsqr::new(SET_UPS + n);
+        let weight = self.variance_mm2.sqrt().recip();
+        for sample in &rehearsed.alignment.samples {
+            if !matches!(sample.place, align::Place::Arc(_)) {
+                continue;
+            }
+            let at = Situation::new(machine, &named.mounting, 0, &sample.pose);
+            let Some(at) = at else { continue };
+            let row = basis.row(&at);
+            // Set-up errors first: what is below them in the triangle is what they do not explain.
+            let (coefficients, balls) = row.split_at(n);
+            rows.push_weighted(&[balls, coefficients].concat(), 0.0, weight);
+        }
+        for k in 0..SET_UPS {
+            rows.push_prior(k, 0.0, 1.0);
+        }
+        let triangle = rows.finish()?;
+        let mut information = Matrix::zeros(n, n);
+        let below = Matrix::from_fn(n, n, |i, k| triangle.r()[(SET_UPS + i, SET_UPS + k)]);
+        add_information(&mut information, &below, 1.0);
+        Ok(information)
+    }
+}

@@ -1,0 +1,435 @@
+//! From a request to a test: the problem is put, solved, and its time held against the real programs.
+
+use rayon::prelude::*;
+
+use super::candidates::{SetUpCandidate, can_drive, candidate_arcs, set_up_candidates};
+use super::given::Measured;
+use super::information::{self, ArcInformation, Basis};
+use super::ordering;
+use super::planned::PlannedProgram;
+use super::search::{Chosen, Objective, Problem};
+use super::volume::Volume;
+use super::written;
+use crate::error::{Error, Kind, Place, Result};
+use crate::identify::{self, Driven, SEEN_UM};
+use crate::machine::Machine;
+use crate::model::{self, COMPLETE, Coefficient};
+use crate::plan::{Arc, Criterion, DesignRequest, Test};
+use crate::solve::Matrix;
+
+/// Points an axis over the volume: for the mean, and for the worst point.
+const MEAN_STEPS: usize = 5;
+const WORST_STEPS: usize = 3;
+/// What a set-up error is trusted with, mm.
+const SET_UP_MM: f64 = 0.1;
+/// Rank is looked at over every so many arcs: more show nothing new.
+const FEW_ARCS: usize = 7;
+/// From one arc to the next on the sphere, on average, rad, until the real ways are known.
+const TRANSIT_RAD: f64 = 0.6;
+/// Approach and release take about this, s, until the real programs are known.
+const APPROACH_S: f64 = 12.0;
+/// So often the budget is corrected by what the real programs take.
+const CORRECTIONS: usize = 4;
+/// While it is corrected, so many gains are looked at.
+const CORRECTED_LOOKS: usize = 8_000;
+/// Spare time that another search is not worth, s.
+const LITTLE_S: f64 = 20.0;
+/// So many of the best next arcs are told.
+const NEXT: usize = 5;
+
+/// One set-up of a proposal with its arcs in the order in which they are driven.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProposedSetUp {
+    /// The set-up.
+    pub set_up: SetUpCandidate,
+    /// Its arcs.
+    pub arcs: Vec<Arc>,
+}
+
+/// An arc that would tell most next.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NextArc {
+    /// The set-up that it is driven in.
+    pub set_up: String,
+    /// Its name.
+    pub arc: String,
+    /// What it takes, with the set-up if that is new, s.
+    pub seconds: f64,
+    /// The criterion after it; see [`Proposal::value`].
+    pub value: f64,
+}
+
+/// A designed test.
+#[derive(Debug, Clone)]
+pub struct Proposal {
+    /// Set-ups in the order in which an operator would make them.
+    pub set_ups: Vec<ProposedSetUp>,
+    /// How many set-ups and arcs there were to choose from.
+    pub candidates: [usize; 2],
+    /// The coefficients that are estimated.
+    pub basis: Vec<Coefficient>,
+    /// Those of them that are wanted.
+    pub wanted: Vec<Coefficient>,
+    /// The criterion before the test and after: for A and G the standard deviation of the volumetric
+    /// error, rms or worst, mm; for D the mean logarithm of what is left of the size of a coefficient.
+    pub value: [f64; 2],
+    /// No test of the same set-ups, candidate arcs and time has a lower criterion than this.
+    pub bound: f64,
+    /// Time of the test, the operator's included, s.
+    pub total_s: f64,
+    /// Text of the test file.
+    pub text: String,
+    /// After measurements: what would tell most next, the best first.
+    pub next: Vec<NextArc>,
+}
+
+/// A request with everything that there is to choose from.
+pub struct Designer<'a> {
+    test: &'a Test,
+    machine: &'a Machine,
+    request: &'a DesignRequest,
+    set_ups: Vec<SetUpCandidate>,
+    arcs: Vec<Arc>,
+    basis: Basis,
+    problem: Problem,
+}
+
+impl<'a> Designer<'a> {
+    /// Gathers the candidates and what each of them tells.
+    ///
+    /// # Errors
+    /// A mounting outside the travel, a bar longer than the space, a wanted coefficient that no candidate
+    /// can see.
+    pub fn new(test: &'a Test, machine: &'a Machine, measured: Option<&Measured>) -> Result<Self> {
+        let request = test.design()?;
+        let plan = test.plan()?;
+        if !plan.both_directions {
+            return Err(Error::input("a designed test drives every arc both ways")
+                .at(Place::file(test.file()))
+                .hint("take `both_directions = false` out of `[plan]`"));
+        }
+        let arcs = candidate_arcs(request.step_rad);
+        let set_ups = set_up_candidates(test, request, machine)?;
+        let drivable = drivable(test, machine, &set_ups, &arcs, plan.feed_in_mm)?;
+        let basis = basis(test, request, machine, &set_ups, &arcs, &drivable)?;
+        let first = &test.mountings()[0].mounting;
+        let range_mm = request.volume_mm.unwrap_or_else(|| Volume::travel_mm(machine));
+        let bar = test.ball_bar();
+        let mut of_arcs: Vec<ArcInformation> = drivable
+            .par_iter()
+            .map(|&(set_up, arc)| {
+                let bar_mm = set_ups[set_up].bar_mm;
+                let circle_mm = arcs[arc].circle_radius_mm(bar_mm) * arcs[arc].sweep_rad.abs();
+                let moving_mm = 2.0 * circle_mm + TRANSIT_RAD * bar_mm;
+                ArcInformation {
+                    set_up,
+                    arc,
+                    seconds: moving_mm / plan.feed_mm_s + 3.0 * plan.dwell_s,
+                    factor: basis.information(
+                        machine,
+                        &set_ups[set_up],
+                        &arcs[arc],
+                        bar,
+                        plan.feed_mm_s,
+                    ),
+                }
+            })
+            .collect();
+        of_arcs.sort_by_key(|arc| (arc.set_up, arc.arc));
+        let operator = test.operator();
+        let mounted = measured.and_then(Measured::mounted);
+        let set_up_s = set_ups
+            .iter()
+            .map(|set_up| {
+                // Balls that are still where they were need nobody to place them.
+                let stays =
+                    mounted.is_some_and(|name| set_up.given.is_some() && set_up.name == name);
+                let placing_s = if stays { 0.0 } else { operator.set_up_s };
+                placing_s + operator.fit_bar_s + APPROACH_S
+            })
+            .collect();
+        let mut known = Matrix::identity(basis.coefficients.len());
+        if let Some(measured) = measured {
+            measured.add_to(&mut known, &basis, machine)?;
+        }
+        let wanted = wanted(request)?;
+        let is_wanted = |k: usize| match &wanted {
+            Some(wanted) => wanted.contains(&basis.coefficients[k]),
+            None => true,
+        };
+        let fields = |steps: usize| {
+            let mut volume = Volume::new(machine, first, range_mm, steps, &basis.coefficients);
+            // What is not wanted counts for nothing.
+            let sizes = basis.sizes.iter().enumerate();
+            let counted: Vec<f64> =
+                sizes.map(|(k, &size)| if is_wanted(k) { size } else { 0.0 }).collect();
+            volume.scale(&counted);
+            volume
+        };
+        let objective = Objective {
+            criterion: request.criterion,
+            mean_square: fields(MEAN_STEPS).mean_square(),
+            points: match request.criterion {
+                Criterion::G => {
+                    let volume = fields(WORST_STEPS);
+                    (0..volume.points()).map(|point| volume.rows_at(point)).collect()
+                }
+                _ => Vec::new(),
+            },
+        };
+        let problem = Problem {
+            coefficients: basis.coefficients.len(),
+            objective,
+            arcs: of_arcs,
+            set_up_s,
+            known,
+            most_set_ups: request.most_mountings,
+        };
+        Ok(Self { test, machine, request, set_ups, arcs, basis, problem })
+    }
+
+    /// Number of candidate set-ups and of candidate arcs that can be driven in one or another of them.
+    pub fn candidates(&self) -> [usize; 2] {
+        [self.set_ups.len(), self.problem.arcs.len()]
+    }
+
+    /// The best test that fits into the budget.
+    ///
+    /// # Errors
+    /// When the budget is shorter than the shortest test.
+    pub fn propose(&self) -> Result<Proposal> {
+        let budget_s = self.request.budget_s;
+        let mut asked_s = budget_s;
+        let mut found = self.problem.solve(asked_s);
+        let mut best: Option<(Chosen, Vec<ProposedSetUp>, f64, String)> = None;
+        for _ in 0..CORRECTIONS {
+            let Some(chosen) = found.filter(|chosen| !chosen.arcs.is_empty()) else { break };
+            let set_ups = ordering::ordered(&chosen, &self.problem.arcs, &self.set_ups, &self.arcs);
+            let text = written::test_file(self.test, &set_ups, &self.terms())?;
+            let total_s = self.total_s(&text)?;
+            let spare_s = budget_s - total_s;
+            let better = best.as_ref().is_none_or(|(b, ..)| chosen.value < b.value);
+            let of_set_ups = chosen.set_ups.clone();
+            if spare_s >= 0.0 && better {
+                best = Some((chosen, set_ups, total_s, text));
+            }
+            if (0.0..LITTLE_S).contains(&spare_s) {
+                break;
+            }
+            asked_s += if spare_s >= 0.0 { 0.9 * spare_s } else { 1.05 * spare_s };
+            found = Some(self.problem.fill(&of_set_ups, asked_s, CORRECTED_LOOKS));
+        }
+        let (chosen, set_ups, total_s, text) = best.ok_or_else(|| self.too_short())?;
+        Ok(Proposal {
+            set_ups,
+            candidates: self.candidates(),
+            wanted: wanted(self.request)?.unwrap_or_else(|| self.basis.coefficients.clone()),
+            basis: self.basis.coefficients.clone(),
+            value: [self.problem.value_before(), chosen.value].map(|value| self.told(value)),
+            bound: self.told(chosen.bound),
+            total_s,
+            text,
+            next: Vec::new(),
+        })
+    }
+
+    /// What would tell most next.
+    pub fn next(&self) -> Vec<NextArc> {
+        let next = self.problem.next_arcs().into_iter().take(NEXT);
+        next.map(|(index, value)| {
+            let arc = &self.problem.arcs[index];
+            NextArc {
+                set_up: self.set_ups[arc.set_up].name.clone(),
+                arc: self.arcs[arc.arc].name.clone(),
+                seconds: self.problem.set_up_s[arc.set_up] + arc.seconds,
+                value: self.told(value),
+            }
+        })
+        .collect()
+    }
+
+    /// The criterion as people read it.
+    fn told(&self, value: f64) -> f64 {
+        match self.request.criterion {
+            Criterion::A | Criterion::G => value.max(0.0).sqrt(),
+            Criterion::D => 0.5 * value / self.basis.coefficients.len() as f64,
+        }
+    }
+
+    /// The terms of the test file: the same set as that of the design.
+    fn terms(&self) -> Vec<String> {
+        std::iter::once(COMPLETE.to_owned()).chain(excluded(self.request)).collect()
+    }
+
+    /// Time of the test by its real programs, s.
+    fn total_s(&self, text: &str) -> Result<f64> {
+        let test = Test::parse(text, self.test.file())?;
+        let operator = test.operator();
+        let times: Vec<Result<f64>> = (0..test.mountings().len())
+            .into_par_iter()
+            .map(|mounting| {
+                let program = PlannedProgram::new(&test, self.machine, mounting)?;
+                let time = program.trajectory.duration();
+                let between = time.stops.saturating_sub(1) as f64;
+                Ok(time.known_s()
+                    + operator.set_up_s
+                    + operator.fit_bar_s
+                    + between * operator.stop_s)
+            })
+            .collect();
+        times.into_iter().sum()
+    }
+
+    fn too_short(&self) -> Error {
+        let operator = self.test.operator();
+        Error::new(
+            Kind::Undetermined,
+            format!(
+                "a budget of {:.1} min is shorter than the shortest test of {:.1} min, of which the operator takes {:.1} min",
+                self.request.budget_s / 60.0,
+                self.problem.shortest_s() / 60.0,
+                (operator.set_up_s + operator.fit_bar_s) / 60.0
+            ),
+        )
+        .at(Place::file(self.test.file()))
+        .hint("give more time, or say in `[operator]` that he is faster")
+    }
+}
+
+/// Which arcs can be driven in which set-ups, as pairs of indices.
+fn drivable(
+    test: &Test,
+    machine: &Machine,
+    set_ups: &[SetUpCandidate],
+    arcs: &[Arc],
+    feed_in_mm: f64,
+) -> Result<Vec<(usize, usize)>> {
+    let looked: Vec<Vec<Result<()>>> = set_ups
+        .par_iter()
+        .map(|set_up| arcs.iter().map(|arc| can_drive(machine, set_up, arc, feed_in_mm)).collect())
+        .collect();
+    let mut pairs = Vec::new();
+    for (index, of_set_up) in looked.into_iter().enumerate() {
+        let mut first = None;
+        let before = pairs.len();
+        for (arc, can) in of_set_up.into_iter().enumerate() {
+            match can {
+                Ok(()) => pairs.push((index, arc)),
+                Err(error) => first = first.or(Some(error)),
+            }
+        }
+        // A place that the user gave must be good for something.
+        if let Some(mut error) = first.filter(|_| pairs.len() == before)
+            && (set_ups[index].given.is_some())
+        {
+            error.what = format!(
+                "no arc can be driven in mounting `{}`: {}",
+                set_ups[index].name, error.what
+            );
+            return Err(error.at(Place::file(test.file())));
+        }
+    }
+    if pairs.is_empty() {
+        return Err(Error::input("no arc can be driven in any place")
+            .at(Place::file(test.file()))
+            .hint("check the travel and `[clearance]` in the machine file"));
+    }
+    Ok(pairs)
+}
+
+/// The coefficients that are named as wanted; `None` for all.
+fn wanted(request: &DesignRequest) -> Result<Option<Vec<Coefficient>>> {
+    if request.wanted.iter().any(|name| name == COMPLETE) {
+        return Ok(None);
+    }
+    let named: Vec<String> =
+        request.wanted.iter().filter(|name| !name.starts_with('-')).cloned().collect();
+    let terms = model::terms(&named, &[String::new()])?;
+    let names = terms.iter().flat_map(|term| term.parameters());
+    Ok(Some(names.filter_map(|parameter| Coefficient::parse(&parameter.name)).collect()))
+}
+
+/// What a request leaves out by `-NAME`.
+fn excluded(request: &DesignRequest) -> Vec<String> {
+    request.wanted.iter().filter(|name| name.starts_with('-')).cloned().collect()
+}
+
+/// The largest set that the candidates together can tell apart.
+fn basis(
+    test: &Test,
+    request: &DesignRequest,
+    machine: &Machine,
+    set_ups: &[SetUpCandidate],
+    arcs: &[Arc],
+    drivable: &[(usize, usize)],
+) -> Result<Basis> {
+    // The usual order and not the wanted ones first: what acts as something else is not seen because the
+    // other was left out.
+    let names = identify::order_of(&excluded(request))?;
+    let order: Vec<Coefficient> =
+        names.iter().filter_map(|name| Coefficient::parse(name)).collect();
+    let few: Vec<(&SetUpCandidate, Vec<&Arc>)> = set_ups
+        .iter()
+        .enumerate()
+        .map(|(index, set_up)| {
+            let of_set_up = drivable.iter().filter(|(s, _)| *s == index);
+            (set_up, of_set_up.step_by(FEW_ARCS).map(|&(_, arc)| &arcs[arc]).collect::<Vec<_>>())
+        })
+        .filter(|(_, arcs)| !arcs.is_empty())
+        .collect();
+    let choice = information::tellable(machine, &order, &few, request.most_mountings)?;
+    let kept: Vec<Coefficient> = choice.kept.iter().map(|&k| order[k]).collect();
+    let missing = wanted(request)?.into_iter().flatten().find(|c| !kept.contains(c));
+    if let Some(missing) = missing {
+        return Err(cannot_see(test, machine, missing, &names, &few)?);
+    }
+    let range_mm = request.volume_mm.unwrap_or_else(|| Volume::travel_mm(machine));
+    let volume = Volume::new(machine, &test.mountings()[0].mounting, range_mm, MEAN_STEPS, &kept);
+    Ok(information::basis(&volume, SEEN_UM * 1e-3, SET_UP_MM))
+}
+
+/// Which wanted coefficient no candidate can see, and why.
+fn cannot_see(
+    test: &Test,
+    machine: &Machine,
+    missing: Coefficient,
+    order: &[String],
+    set_ups: &[(&SetUpCandidate, Vec<&Arc>)],
+) -> Result<Error> {
+    /// Each set-up brings columns of its own, and a few show what all show.
+    const FEW: usize = 4;
+    let few = &set_ups[..set_ups.len().min(FEW)];
+    let driven: Vec<Driven> = few
+        .iter()
+        .map(|(set_up, arcs)| Driven {
+            mounting: set_up.mounting,
+            bar_mm: set_up.bar_mm,
+            arcs: arcs.iter().map(|&arc| arc.clone()).collect(),
+        })
+        .collect();
+    let names: Vec<String> = few.iter().map(|(set_up, _)| set_up.name.clone()).collect();
+    let sight = super::outlook::sight(machine, &driven, &names)?;
+    let mut selection = sight.select(&sight.ordered(order))?;
+    let removal = selection.removed.iter().position(|removal| removal.name == missing.to_string());
+    let mut error = Error::new(
+        Kind::Undetermined,
+        match few.len() {
+            1 => format!("no arc can see `{missing}`, which is wanted"),
+            _ => format!("no choice of the candidates can see `{missing}`, which is wanted"),
+        },
+    )
+    .at(Place::file(test.file()));
+    if let Some(place) = removal {
+        let removal = selection.removed.swap_remove(place);
+        let group = [removal.direction];
+        let remedies = identify::remedies(machine, &driven, &group, &sight);
+        error.what = format!("{}: {}", error.what, removal.reason);
+        error = error.hint(match remedies.concat().as_slice() {
+            [] => {
+                "nothing that a ball-bar can do separates them: take it out of `wanted`".to_owned()
+            }
+            remedies => format!("what would separate them: {}", remedies.join("; ")),
+        });
+    }
+    Ok(error)
+}

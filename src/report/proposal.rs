@@ -1,0 +1,147 @@
+//! A designed test in words and as JSON.
+
+use std::fmt::Write as _;
+
+use serde_json::{Value, json};
+
+use super::numbers::{fixed, many};
+use crate::design::{Outlook, Proposal};
+use crate::plan::{Criterion, Test};
+
+/// Wanted coefficients that the designed test does not determine.
+pub fn unseen_of(proposal: &Proposal, outlook: &Outlook) -> Vec<String> {
+    let names = proposal.wanted.iter().map(ToString::to_string);
+    names.filter(|name| outlook.prediction.sigma(name).is_none()).collect()
+}
+
+/// The criterion in words, before and after.
+fn criterion(request: &Test, proposal: &Proposal) -> String {
+    let of = request.design().map_or(Criterion::A, |design| design.criterion);
+    let [before, after] = proposal.value;
+    let um = |mm: f64| fixed(mm * 1e3, if mm < 0.1 { 2 } else { 0 });
+    match of {
+        Criterion::A => format!(
+            "volumetric error, rms: {} um known beforehand, {} um after",
+            um(before),
+            um(after)
+        ),
+        Criterion::G => format!(
+            "volumetric error, worst: {} um known beforehand, {} um after",
+            um(before),
+            um(after)
+        ),
+        Criterion::D => format!(
+            "a coefficient is known {} times better than beforehand, in the geometric mean",
+            fixed((before - after).exp(), 0)
+        ),
+    }
+}
+
+/// What was chosen, in the order in which it is done.
+pub fn proposal_text(request: &Test, proposal: &Proposal, outlook: &Outlook) -> String {
+    let mut text = String::new();
+    let _ = writeln!(text, "{}, designed", request.name());
+    let _ = writeln!(
+        text,
+        "chosen from {} and {} in them\n",
+        many(proposal.candidates[0], "set-up"),
+        many(proposal.candidates[1], "arc")
+    );
+    let time = outlook.time();
+    let _ = writeln!(
+        text,
+        "{} min: {} min for the machine, {} min assumed for the operator",
+        fixed(time.total_s() / 60.0, 1),
+        fixed(time.machine_s() / 60.0, 1),
+        fixed(time.operator_s / 60.0, 1)
+    );
+    let _ = writeln!(text, "{}", criterion(request, proposal));
+    let (coefficients, set_ups) = outlook.term_counts();
+    let _ = writeln!(
+        text,
+        "{coefficients} of 90 coefficients and {} identifiable",
+        many(set_ups, "set-up error")
+    );
+    let _ = writeln!(
+        text,
+        "over the travel the noise leaves {} um rms, {} um at the worst",
+        fixed(outlook.volume_noise.rms_mm * 1e3, 2),
+        fixed(outlook.volume_noise.worst.sigma_mm * 1e3, 2)
+    );
+    text.push_str("\nWhat to do\n");
+    for (index, proposed) in proposal.set_ups.iter().enumerate() {
+        let set_up = &proposed.set_up;
+        let at = set_up.mounting.coincidence_mm.map(|c| fixed(c, 0));
+        let tool = set_up.mounting.tool_ball_mm.map(|c| fixed(c, 0));
+        let minutes = outlook.mountings.get(index).map_or(0.0, |m| m.time.machine_s() / 60.0);
+        let _ = writeln!(
+            text,
+            "  {}. mounting {}: balls meet at X {} Y {} Z {}, tool ball at ({}, {}, {}), bar {} mm, {} min",
+            index + 1,
+            set_up.name,
+            at.x,
+            at.y,
+            at.z,
+            tool.x,
+            tool.y,
+            tool.z,
+            fixed(set_up.bar_mm, 0),
+            fixed(minutes, 1)
+        );
+        let names: Vec<&str> = proposed.arcs.iter().map(|arc| arc.name.as_str()).collect();
+        for line in names.chunks(5) {
+            let _ = writeln!(text, "       {}", line.join(", "));
+        }
+    }
+    if !proposal.next.is_empty() {
+        text.push_str("\nWhat would tell most next\n");
+        for next in &proposal.next {
+            let _ = writeln!(
+                text,
+                "  {} in {}: {} min, then {} um",
+                next.arc,
+                next.set_up,
+                fixed(next.seconds / 60.0, 1),
+                fixed(next.value * 1e3, 3)
+            );
+        }
+    }
+    text
+}
+
+/// The same for other programs.
+pub fn proposal_json(request: &Test, proposal: &Proposal, outlook: &Outlook) -> Value {
+    let time = outlook.time();
+    let (coefficients, set_ups) = outlook.term_counts();
+    let of = request.design().map_or(Criterion::A, |design| design.criterion);
+    json!({
+        "format": "ballbar.design/1",
+        "test": request.name(),
+        "criterion": format!("{of:?}"),
+        "before": proposal.value[0],
+        "after": proposal.value[1],
+        "candidate_set_ups": proposal.candidates[0],
+        "candidate_arcs": proposal.candidates[1],
+        "total_s": time.total_s(),
+        "machine_s": time.machine_s(),
+        "operator_s": time.operator_s,
+        "coefficients": coefficients,
+        "set_up_errors": set_ups,
+        "volume_noise_rms_um": outlook.volume_noise.rms_mm * 1e3,
+        "volume_noise_worst_um": outlook.volume_noise.worst.sigma_mm * 1e3,
+        "volume_unseen_rms_um": outlook.volume_unseen.rms_mm * 1e3,
+        "set_ups": proposal.set_ups.iter().map(|proposed| json!({
+            "name": proposed.set_up.name,
+            "coincidence_mm": proposed.set_up.mounting.coincidence_mm.as_slice(),
+            "tool_ball_mm": proposed.set_up.mounting.tool_ball_mm.as_slice(),
+            "bar_length_mm": proposed.set_up.bar_mm,
+            "arcs": proposed.arcs.iter().map(|arc| arc.name.clone()).collect::<Vec<_>>(),
+        })).collect::<Vec<_>>(),
+        "next": proposal.next.iter().map(|next| json!({
+            "mounting": next.set_up,
+            "arc": next.arc,
+            "seconds": next.seconds,
+            "after": next.value,
+        })).collect::<Vec<_>>(),
+    })
+}
