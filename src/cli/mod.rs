@@ -14,6 +14,7 @@ mod machines;
 mod manual;
 mod output;
 mod paper;
+mod plan;
 mod program;
 mod simulate;
 
@@ -36,10 +37,11 @@ pub struct Cli {
 
 const LONG_ABOUT: &str = "Programs for a telescoping ball-bar, alignment of its logs, identification of the machine.\n\n\
 A machine file says what the machine is, a test file says what is tested, with what, and what was measured. \
-`program` writes the NC programs, the machine runs them, `analyse` makes coefficients and a report of the logs.";
+`plan` says what it takes and what it will know, `program` writes the NC programs, the machine runs them, `analyse` makes coefficients and a report of the logs.";
 
 const AFTER_HELP: &str = "Examples:
   ballbar demo                                 the whole chain on measured logs, in a few seconds
+  ballbar plan test.toml                       what a test takes and what it will know
   ballbar program test.toml -o out             write the NC programs of a test
   ballbar analyse test.toml -o out             align the logs, identify, write the report
   ballbar identify test.toml --json | jq .     coefficients for another program
@@ -68,6 +70,7 @@ struct Common {
 
 #[derive(Subcommand)]
 enum Command {
+    Plan(plan::Arguments),
     Program(program::Arguments),
     Simulate(simulate::Arguments),
     Align(align::Arguments),
@@ -87,6 +90,7 @@ pub fn main() -> ExitCode {
     let talk = Talk::new(cli.common.quiet);
     let common = &cli.common;
     let done = match &cli.command {
+        Command::Plan(arguments) => arguments.run(common, &talk),
         Command::Program(arguments) => arguments.run(common, &talk),
         Command::Simulate(arguments) => arguments.run(common, &talk),
         Command::Align(arguments) => arguments.run(common, &talk),

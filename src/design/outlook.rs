@@ -135,12 +135,26 @@ impl Outlook {
     /// # Errors
     /// When the test has no plan, leaves the travel or does not engage; an unknown term.
     pub fn new(test: &Test, machine: &Machine) -> Result<Self> {
+        Self::watched(test, machine, &|| ())
+    }
+
+    /// How often [`watched`](Self::watched) calls back.
+    pub fn steps(test: &Test) -> usize {
+        test.mountings().len() + 2
+    }
+
+    /// The same, with a call after every step that takes a while.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new).
+    pub fn watched(test: &Test, machine: &Machine, step: &(dyn Fn() + Sync)) -> Result<Self> {
         let programs: Vec<Result<(PlannedProgram, RunInput)>> = (0..test.mountings().len())
             .into_par_iter()
             .map(|mounting| {
                 let planned = PlannedProgram::new(test, machine, mounting)?;
                 let (bar, named) = (test.bar_of(mounting), &test.mountings()[mounting]);
                 let run = identify::rehearse(&planned.program, machine, &bar, mounting, named)?;
+                step();
                 Ok((planned, run))
             })
             .collect();
@@ -164,7 +178,9 @@ impl Outlook {
         let model = Model::new(machine, balls.clone(), model::terms(&terms, &names)?);
         let noise = identify::stated_noise(test.ball_bar());
         let prediction = identify::predict(&model, copies(&runs), &options, &noise)?;
+        step();
         let (ideal_rank, unseen) = unseen(test, machine, &model, chosen)?;
+        step();
 
         let all: Vec<Coefficient> = Coefficient::all().collect();
         let volume =

@@ -30,7 +30,7 @@ pub(super) fn of(analysis: &Analysis) -> Vec<String> {
 }
 
 /// The names of several parameters; a long list is cut.
-fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {
+pub(super) fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {
     const MOST: usize = 12;
     let names: Vec<&str> = names.collect();
     let told = names[..names.len().min(MOST)].join(", ");

@@ -11,7 +11,7 @@ use crate::align::{Mark, MarkKind, TimeMap};
 use crate::identify::{self, Estimate, Identification, Record, RunInput};
 use crate::machine::{Axis, Machine, Pivot};
 use crate::model::Parameter;
-use crate::plan::{Loss, Run, Test};
+use crate::plan::{BallBar, Loss, Run, Test};
 use crate::solve::Matrix;
 
 /// Name and version of the format.
@@ -33,20 +33,12 @@ impl Analysis {
             .map(|(index, identification)| repeat(index, identification, &mut runs))
             .collect();
         let over_repeats = means(identifications, &repeats);
-        let bar = test.ball_bar();
         let mut analysis = Self {
             format: FORMAT,
             program_version: env!("CARGO_PKG_VERSION"),
             test: test_facts(test),
             machine: machine_facts(machine),
-            ball_bar: BallBarFacts {
-                length_mm: bar.length_mm,
-                range_mm: bar.range_mm,
-                resolution_um: bar.resolution_mm * 1e3,
-                noise_um: bar.noise_mm * 1e3,
-                sample_rate_hz: bar.sample_rate_hz,
-                clock_tolerance_ppm: bar.clock_tolerance * 1e6,
-            },
+            ball_bar: ball_bar_facts(test.ball_bar()),
             strategy: test.plan().ok().map(|plan| plan.strategy_name().to_owned()),
             terms: test.estimation().terms.clone(),
             loss: match test.estimation().loss {
@@ -83,7 +75,20 @@ fn test_facts(test: &Test) -> TestFacts {
     }
 }
 
-fn machine_facts(machine: &Machine) -> MachineFacts {
+/// The instrument as a test file states it.
+pub(super) fn ball_bar_facts(bar: &BallBar) -> BallBarFacts {
+    BallBarFacts {
+        length_mm: bar.length_mm,
+        range_mm: bar.range_mm,
+        resolution_um: bar.resolution_mm * 1e3,
+        noise_um: bar.noise_mm * 1e3,
+        sample_rate_hz: bar.sample_rate_hz,
+        clock_tolerance_ppm: bar.clock_tolerance * 1e6,
+    }
+}
+
+/// The machine as its file says it.
+pub(super) fn machine_facts(machine: &Machine) -> MachineFacts {
     let pivot = |axis| match machine.slide(axis).pivot {
         Pivot::Carriage => "carriage",
         Pivot::Base => "base",

@@ -92,7 +92,7 @@ pub struct Hysteresis {
     pub observed: f64,
 }
 
-const ARCSEC_PER_RAD: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
+pub(super) const ARCSEC_PER_RAD: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
 
 impl MachineErrors {
     /// Reads them out of the means over the repeats.

@@ -18,6 +18,7 @@ pub mod html;
 mod machine_errors;
 mod mountings;
 mod numbers;
+mod outlook;
 mod paper;
 mod proposal;
 mod samples;
@@ -25,6 +26,7 @@ mod svg;
 mod svg_chart;
 mod svg_polar;
 mod terminal;
+mod text;
 mod ticks;
 mod traces;
 mod units;
@@ -35,6 +37,12 @@ pub use analysis::{
     RepeatResult, RunResult, SampleCounts, TestFacts,
 };
 pub use machine_errors::{Hysteresis, MachineErrors, Reversal, Scale, Squareness};
+pub use outlook::{
+    ClearanceFacts, ComparedSquareness, Comparison, ForeseenErrors, ForeseenHysteresis,
+    ForeseenReversal, ForeseenScale, ForeseenSquareness, MountingOutlook, OperatorFacts,
+    ParameterOutlook, PlanReport, Planned, SightFacts, Spread, TestOutlook, TimeFacts, TravelFacts,
+    UnseenTerm, VolumeFacts, plan_summary,
+};
 pub use paper::{nearest_text, paper_json, paper_page, paper_text};
 pub use proposal::{proposal_json, proposal_text, unseen_of};
 pub use samples::{write_aligned, write_samples};

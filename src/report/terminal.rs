@@ -1,14 +1,12 @@
-//! The summary for the terminal: plain text, at most [`WIDTH`] columns.
+//! The summary for the terminal: plain text, at most [`WIDTH`](super::text::WIDTH) columns.
 
 use std::fmt::Write as _;
 
 use super::analysis::{Analysis, MeanResult, RunResult};
 use super::cautions::DETERMINED;
 use super::numbers::{fixed, many, signed};
+use super::text::{paragraph, table};
 use super::units::{engineering, row_decimals};
-
-/// Columns of the terminal.
-const WIDTH: usize = 100;
 
 /// The summary: verdict, runs, coefficients in engineering units, squareness and reversal, what nobody
 /// can see, and cautions.
@@ -271,54 +269,11 @@ fn spread(
     if told.is_empty() { String::new() } else { format!("{} {unit}", told.join(", ")) }
 }
 
-/// Columns of equal width, two spaces in front and between; `l` left, `r` right.
-fn table(rows: &[Vec<String>], sides: &str) -> String {
-    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
-    let width = |k: usize| {
-        let cells = rows.iter().filter_map(|row| row.get(k));
-        cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
-    };
-    let widths: Vec<usize> = (0..columns).map(width).collect();
-    let mut text = String::new();
-    for row in rows {
-        let mut line = String::new();
-        for ((cell, width), side) in row.iter().zip(&widths).zip(sides.chars()) {
-            let padding = " ".repeat(width - cell.chars().count());
-            let _ = match side {
-                'r' => write!(line, "  {padding}{cell}"),
-                _ => write!(line, "  {cell}{padding}"),
-            };
-        }
-        let _ = writeln!(text, "{}", line.trim_end());
-    }
-    text
-}
-
-/// Words filled into lines, the first behind `lead`, the others under its end.
-fn paragraph(text: &mut String, lead: &str, words: &str) {
-    let indent = " ".repeat(lead.chars().count());
-    let mut line = lead.to_owned();
-    let mut empty = true;
-    // A space that must not break, as inside a grouped number, is no end of a word.
-    for word in words.split(' ') {
-        if !empty && line.chars().count() + 1 + word.chars().count() > WIDTH {
-            let _ = writeln!(text, "{line}");
-            line.clone_from(&indent);
-            empty = true;
-        }
-        if !empty {
-            line.push(' ');
-        }
-        line.push_str(word);
-        empty = false;
-    }
-    let _ = writeln!(text, "{line}");
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::report::fixture;
+    use crate::report::text::WIDTH;
 
     #[test]
     fn the_summary_fits_the_terminal() {
@@ -329,13 +284,6 @@ mod tests {
                 assert!(!line.contains("NaN") && !line.contains("inf "), "{line}");
             }
         }
-    }
-
-    #[test]
-    fn words_are_filled_under_their_lead() {
-        let mut text = String::new();
-        paragraph(&mut text, "  - ", &"word ".repeat(40));
-        assert!(text.lines().skip(1).all(|line| line.starts_with("    word")));
     }
 
     #[test]

@@ -1,0 +1,72 @@
+//! `ballbar plan`: what tests take and what they will know, before they are run.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::Common;
+use super::output::{self, Files, Talk};
+use crate::design::Outlook;
+use crate::error::Result;
+use crate::plan::Test;
+use crate::report::{self, PlanReport, Planned};
+
+/// Say what a test takes and what it will know, before it is run
+///
+/// The programs run on a perfect virtual machine; what the noise of the test file leaves uncertain, what
+/// the test confounds and what would separate it follow from that. Writes plan.html and plan.json, and
+/// prints the summary; several tests stand side by side.
+#[derive(Args)]
+#[command(after_help = "Examples:
+  ballbar plan test.toml
+  ballbar plan test.toml --repeats 5 -o results
+  ballbar plan one-place.toml three-places.toml
+  ballbar plan test.toml --json | jq .tests[0].volume_noise.rms_um")]
+pub(super) struct Arguments {
+    /// The test files
+    #[arg(value_name = "TEST", required = true)]
+    tests: Vec<PathBuf>,
+    /// How often each test is run: the mean of N knows better by the root of N
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    repeats: u32,
+    /// List all that the tests cannot tell, and several tests each by itself
+    #[arg(long)]
+    all: bool,
+}
+
+impl Arguments {
+    pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
+        let tests = self.tests.iter().map(|file| {
+            let test = Test::read(file)?;
+            let machine = test.machine()?;
+            Ok((test, machine))
+        });
+        // All files are read before the first is rehearsed: a slip in the last one is told at once.
+        let tests = tests.collect::<Result<Vec<_>>>()?;
+        let steps = tests.iter().map(|(test, _)| Outlook::steps(test)).sum();
+        let bar = talk.progress(steps, "rehearsing");
+        let mut planned = Vec::with_capacity(tests.len());
+        for (test, machine) in tests {
+            let outlook = Outlook::watched(&test, &machine, &|| bar.inc(1));
+            if outlook.is_err() {
+                bar.finish_and_clear();
+            }
+            planned.push(Planned { outlook: outlook?, test, machine });
+        }
+        bar.finish_and_clear();
+        let plan = PlanReport::new(&planned, self.repeats);
+        let json = plan.to_json()?;
+        let mut files = Files::default();
+        files.add(common.output.join("plan.json"), json.clone());
+        let files = files.write()?;
+        if common.json {
+            output::print(&json)?;
+        } else {
+            output::print_summary(&report::plan_summary(&plan, self.all))?;
+        }
+        for file in files {
+            talk.say(&format!("wrote {}", file.display()));
+        }
+        Ok(())
+    }
+}

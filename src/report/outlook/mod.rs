@@ -1,0 +1,31 @@
+//! What a test will be, before it is run: for the terminal, as `plan.json` and as `plan.html`.
+
+mod cautions;
+mod facts;
+mod gather;
+mod rows;
+mod terminal;
+mod unseen;
+
+pub use facts::{
+    ClearanceFacts, ComparedSquareness, Comparison, ForeseenErrors, ForeseenHysteresis,
+    ForeseenReversal, ForeseenScale, ForeseenSquareness, MountingOutlook, OperatorFacts,
+    ParameterOutlook, PlanReport, SightFacts, Spread, TestOutlook, TimeFacts, TravelFacts,
+    UnseenTerm, VolumeFacts,
+};
+pub use terminal::plan_summary;
+
+use crate::design::Outlook;
+use crate::machine::Machine;
+use crate::plan::Test;
+
+/// A test with its machine and its outlook.
+#[derive(Debug)]
+pub struct Planned {
+    /// The test.
+    pub test: Test,
+    /// Its machine.
+    pub machine: Machine,
+    /// What it will give.
+    pub outlook: Outlook,
+}

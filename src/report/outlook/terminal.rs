@@ -1,0 +1,306 @@
+//! The summary of a plan for the terminal.
+
+use std::fmt::Write as _;
+
+use super::facts::{PlanReport, TestOutlook};
+use super::unseen::{Group, capital, groups};
+use super::{cautions::vector, rows};
+use crate::report::numbers::{fixed, many};
+use crate::report::text::{WIDTH, paragraph, table};
+
+/// So many lines of what a test cannot tell are shown unless all are wanted.
+const MOST_UNSEEN: usize = 12;
+
+/// What the tests are, take and will tell; several of them side by side, each by itself if `all`, which
+/// also lists every term that they cannot tell.
+pub fn plan_summary(plan: &PlanReport, all: bool) -> String {
+    let mut text = String::new();
+    let several = plan.tests.len() > 1;
+    if several {
+        side_by_side(&mut text, plan);
+    }
+    for (k, test) in plan.tests.iter().enumerate() {
+        if several && !all {
+            if !test.cautions.is_empty() {
+                let _ = writeln!(text, "\n{}", test.name);
+                list(&mut text, &test.cautions);
+            }
+            continue;
+        }
+        if k > 0 || several {
+            text.push('\n');
+        }
+        one(&mut text, test, plan.repeats, all);
+    }
+    if several && !all {
+        text.push_str("\nEach test by itself: plan.html, or `--all`.\n");
+    }
+    text
+}
+
+fn side_by_side(text: &mut String, plan: &PlanReport) {
+    text.push_str("Side by side");
+    if plan.repeats > 1 {
+        let _ = write!(text, " (each {} times; sigma of the mean)", plan.repeats);
+    }
+    text.push('\n');
+    let rows = rows::side_by_side(plan);
+    // As many tests at a time as fit.
+    let width = |k: usize| rows.iter().filter_map(move |row| row.get(k)).map(|c| c.chars().count() + 2);
+    let width = |k: usize| width(k).max().unwrap_or(0);
+    let mut first = 1;
+    while first <= plan.tests.len() {
+        let mut end = first + 1;
+        while end <= plan.tests.len()
+            && width(0) + (first..=end).map(width).sum::<usize>() <= WIDTH
+        {
+            end += 1;
+        }
+        let part: Vec<rows::Row> = rows
+            .iter()
+            .map(|row| [&row[..1], &row[first..end]].concat())
+            .collect();
+        if first > 1 {
+            text.push('\n');
+        }
+        text.push_str(&table(&part, &format!("l{}", "r".repeat(end - first))));
+        first = end;
+    }
+}
+
+fn one(text: &mut String, test: &TestOutlook, repeats: u32, all: bool) {
+    let _ = writeln!(text, "{}", test.name);
+    paragraph(text, "", &under_title(test));
+    text.push('\n');
+    for line in verdict(test, repeats) {
+        paragraph(text, "", &line);
+    }
+    if !test.cautions.is_empty() {
+        text.push_str("\nCautions\n");
+        list(text, &test.cautions);
+    }
+    text.push_str("\nMountings\n");
+    text.push_str(&table(&rows::mountings(test), "lllrrrrrr"));
+    for line in clearances(test) {
+        paragraph(text, "  ", &line);
+    }
+    text.push_str("\nTravel, mm (used by the path, and what is left to the nearer limit)\n");
+    text.push_str(&table(&rows::travel(test), "lrrrrrr"));
+    text.push_str("\nTime, min:s\n");
+    text.push_str(&table(&rows::time(test, repeats), "lrrrrrrrrr"));
+    paragraph(text, "  ", &assumed(test, repeats));
+    text.push_str("\nWhat it will know\n");
+    let sides = if repeats > 1 { "llrrl" } else { "llrl" };
+    text.push_str(&table(&rows::machine_errors(test, repeats), sides));
+    paragraph(text, "  ", STEP);
+    text.push_str("\nCoefficients and set-up errors\n");
+    let coefficients = rows::parameters(test, repeats, false);
+    text.push_str(&beside(&coefficients, if repeats > 1 { "lrrl" } else { "lrl" }));
+    unseen(text, test, all);
+}
+
+/// Where the bodies come nearest; mountings where that is the same share a sentence.
+pub(super) fn clearances(test: &TestOutlook) -> Vec<String> {
+    let mut told: Vec<(String, Vec<&str>)> = Vec::new();
+    for mounting in &test.mountings {
+        let Some(least) = &mounting.clearance else { continue };
+        let words = format!(
+            "least clearance {} mm between {} and support, on {} at the ball vector {} mm",
+            fixed(least.clearance_mm, 1),
+            least.part,
+            least.section,
+            vector(&least.ball_mm)
+        );
+        match told.iter_mut().find(|(same, _)| *same == words) {
+            Some((_, names)) => names.push(&mounting.name),
+            None => told.push((words, vec![&mounting.name])),
+        }
+    }
+    told.into_iter().map(|(words, names)| format!("{}: {words}.", names.join(", "))).collect()
+}
+
+pub(super) const STEP: &str = "The step at a reversal is twice the coefficient.";
+
+fn list(text: &mut String, lines: &[String]) {
+    for line in lines {
+        paragraph(text, "  - ", line);
+    }
+}
+
+/// A long table in two halves side by side, each with its head.
+fn beside(all: &[rows::Row], sides: &str) -> String {
+    let Some((head, body)) = all.split_first() else { return String::new() };
+    let half = body.len().div_ceil(2);
+    let mut both = vec![[head.as_slice(), &["  ".to_owned()], head].concat()];
+    for k in 0..half {
+        let mut row = body[k].clone();
+        row.push("  ".into());
+        row.extend(body.get(half + k).cloned().unwrap_or_default());
+        both.push(row);
+    }
+    table(&both, &format!("{sides}l{sides}"))
+}
+
+/// What the test is, in a line.
+pub(super) fn under_title(test: &TestOutlook) -> String {
+    let mut bars: Vec<String> =
+        test.mountings.iter().map(|mounting| mounting.bar_length_mm.to_string()).collect();
+    bars.sort();
+    bars.dedup();
+    format!(
+        "{} ({}), bar {} mm, strategy {}, feed {} mm/min, {}",
+        test.machine.name,
+        test.machine.topology,
+        bars.join(" and "),
+        test.strategy,
+        fixed(test.feed_mm_min, 0),
+        many(test.mountings.len(), "mounting")
+    )
+}
+
+/// The verdict, a line a sentence: time, sight, volume.
+pub(super) fn verdict(test: &TestOutlook, repeats: u32) -> Vec<String> {
+    let minutes = |seconds: f64| format!("{} min", fixed(seconds / 60.0, 0));
+    let mut time = format!(
+        "It takes {}: {} of the machine and {} assumed for the operator.",
+        minutes(test.time.total_s),
+        minutes(test.time.machine_s),
+        minutes(test.time.operator_s)
+    );
+    if repeats > 1 {
+        let _ = write!(
+            time,
+            " {repeats} times it takes {}, {} of the machine.",
+            minutes(test.time_of_repeats.total_s),
+            minutes(test.time_of_repeats.machine_s)
+        );
+    }
+    let sight = &test.sight;
+    let terms = if sight.chosen {
+        "chosen by what the test can tell apart".to_owned()
+    } else {
+        format!("of the named terms {}", sight.asked.join(" "))
+    };
+    let sight = format!(
+        "It determines {} of 90 coefficients and {}, {terms}: rank {} of {} on ideal arcs, {} through the noise; condition number {}.",
+        sight.coefficients,
+        many(sight.set_up_errors, "set-up error"),
+        sight.ideal_rank,
+        sight.parameter_count,
+        sight.rank,
+        sight.condition.map_or("unknown".into(), |condition| fixed(condition, 0))
+    );
+    vec![time, sight, volume(test, repeats), unknown(test)]
+}
+
+fn volume(test: &TestOutlook, repeats: u32) -> String {
+    let of = &test.volume_noise;
+    let um = |value: Option<f64>| value.map_or("unknown".into(), |value| fixed(value, 2));
+    let [x, y, z] = of.worst_at_mm.map(|mm| fixed(mm, 0));
+    let mut text = format!(
+        "Over the whole travel, with the tool of mounting {}, the noise leaves the volumetric error uncertain by {} um rms, {} um at the worst point X{x} Y{y} Z{z}.",
+        test.mountings.first().map_or("", |mounting| mounting.name.as_str()),
+        um(of.rms_um.of_one),
+        um(of.worst_um.of_one)
+    );
+    if repeats > 1 {
+        let _ = write!(
+            text,
+            " The mean of {repeats}: {} um rms, {} um at the worst.",
+            um(of.rms_um.of_mean),
+            um(of.worst_um.of_mean)
+        );
+    }
+    text
+}
+
+fn unknown(test: &TestOutlook) -> String {
+    let of = &test.volume_unseen;
+    format!(
+        "Not seen at all: {} um rms, {} um at the worst, if every one of the 90 coefficients may displace the tool by {} um rms; repeats do not help against it.",
+        of.rms_um.of_one.map_or("unknown".into(), |um| fixed(um, 1)),
+        of.worst_um.of_one.map_or("unknown".into(), |um| fixed(um, 1)),
+        fixed(test.unknown_um, 0)
+    )
+}
+
+/// What the operator's time assumes.
+pub(super) fn assumed(test: &TestOutlook, repeats: u32) -> String {
+    let operator = &test.operator;
+    let again = if repeats > 1 { "; the balls stay where they are between the repeats" } else { "" };
+    format!(
+        "The operator's time is an assumption of the test file: {} min to set up a mounting, {} min to fit the bar, {} s at a stop between arcs{again}.",
+        operator.set_up_min, operator.fit_bar_min, operator.stop_s
+    )
+}
+
+fn unseen(text: &mut String, test: &TestOutlook, all: bool) {
+    if test.unseen.is_empty() {
+        return;
+    }
+    let _ = writeln!(text, "\nWhat it cannot tell ({})", many(test.unseen.len(), "term"));
+    let groups = groups(&test.unseen);
+    if all {
+        for group in &groups {
+            paragraph(text, "  ", &format!("{}:", heading(&group.what)));
+            for term in &group.terms {
+                paragraph(text, "    ", &term.reason);
+            }
+        }
+        return;
+    }
+    // First what is in each group, then, as far as there is room, the simplest sentence of each.
+    let mut told: Vec<String> = Vec::new();
+    let mut lines = 0;
+    let mut untold = 0;
+    let mut fits = |words: String| {
+        lines += words.lines().count();
+        let fits = lines <= MOST_UNSEEN;
+        if !fits {
+            lines -= words.lines().count();
+        }
+        fits.then_some(words)
+    };
+    let filled = |lead: &str, words: &str| {
+        let mut text = String::new();
+        paragraph(&mut text, lead, words);
+        text
+    };
+    let (nothing, remedied): (Vec<&Group<'_>>, Vec<&Group<'_>>) =
+        groups.iter().partition(|group| group.what.is_empty());
+    let names = |group: &Group<'_>| -> String {
+        let names: Vec<&str> = group.terms.iter().map(|term| term.name.as_str()).collect();
+        format!("{}: {}", heading(&group.what), names.join(" "))
+    };
+    let last = nothing.first().map(|group| filled("  ", &names(group)));
+    let last = last.and_then(&mut fits);
+    let mut kept: Vec<&Group<'_>> = Vec::new();
+    for group in remedied {
+        match fits(filled("  ", &names(group))) {
+            Some(words) => {
+                told.push(words);
+                kept.push(group);
+            }
+            None => untold += group.terms.len(),
+        }
+    }
+    for (group, words) in kept.iter().zip(&mut told) {
+        let simplest = group.terms.iter().map(|term| &term.reason).min_by_key(|r| r.len());
+        let example = simplest.and_then(|reason| fits(filled("    such as ", reason)));
+        words.push_str(&example.unwrap_or_default());
+    }
+    text.push_str(&told.concat());
+    if untold > 0 {
+        let _ = writeln!(text, "  and {}: see plan.html, or `--all`", many(untold, "more term"));
+    }
+    text.push_str(&last.unwrap_or_default());
+}
+
+/// What stands before the terms of a group.
+pub(super) fn heading(what: &str) -> String {
+    if what.is_empty() {
+        "Nothing that was tried separates, most only say where the zero of the machine is".into()
+    } else {
+        format!("{} separates", capital(what))
+    }
+}

@@ -1,0 +1,92 @@
+//! What a test cannot tell, grouped by what would separate it.
+
+use super::facts::UnseenTerm;
+
+/// Terms that the same things separate.
+#[derive(Debug)]
+pub(super) struct Group<'a> {
+    /// What separates them, in words; empty where nothing that was tried does.
+    pub(super) what: String,
+    pub(super) terms: Vec<&'a UnseenTerm>,
+}
+
+/// The groups, the largest first and the terms of each by name; what nothing separates comes last.
+pub(super) fn groups(unseen: &[UnseenTerm]) -> Vec<Group<'_>> {
+    let mut groups: Vec<Group<'_>> = Vec::new();
+    for term in unseen {
+        let what = any_of(&term.remedies);
+        match groups.iter_mut().find(|group| group.what == what) {
+            Some(group) => group.terms.push(term),
+            None => groups.push(Group { what, terms: vec![term] }),
+        }
+    }
+    for group in &mut groups {
+        group.terms.sort_by(|a, b| a.name.cmp(&b.name));
+    }
+    groups.sort_by_key(|group| (group.what.is_empty(), std::cmp::Reverse(group.terms.len())));
+    groups
+}
+
+/// `a second place 100 mm along X or Z, or a longer tool`: neighbours that differ in their last word share
+/// the others.
+fn any_of(remedies: &[String]) -> String {
+    let mut merged: Vec<(&str, Vec<&str>)> = Vec::new();
+    for remedy in remedies {
+        let (begin, end) = remedy.rsplit_once(' ').unwrap_or(("", remedy));
+        match merged.last_mut() {
+            Some((before, ends)) if *before == begin && !begin.is_empty() => ends.push(end),
+            _ => merged.push((begin, vec![end])),
+        }
+    }
+    let told: Vec<String> = merged
+        .into_iter()
+        .map(|(begin, ends)| format!("{begin} {}", joined(&ends, " or ")).trim().to_owned())
+        .collect();
+    joined(&told.iter().map(String::as_str).collect::<Vec<_>>(), ", or ")
+}
+
+fn joined(words: &[&str], last: &str) -> String {
+    match words {
+        [] => String::new(),
+        [only] => (*only).to_owned(),
+        [before @ .., end] => format!("{}{last}{end}", before.join(", ")),
+    }
+}
+
+/// A sentence begins with a capital.
+pub(super) fn capital(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn term(name: &str, remedies: &[&str]) -> UnseenTerm {
+        let remedies = remedies.iter().map(|&remedy| remedy.to_owned()).collect();
+        UnseenTerm { name: name.into(), reason: format!("{name} acts as EXX1"), remedies }
+    }
+
+    #[test]
+    fn what_the_same_things_separate_is_one_group_and_what_nothing_does_comes_last() {
+        let (along_x, along_z) = ("a second place 100 mm along X", "a second place 100 mm along Z");
+        let all = [
+            term("EXX0", &[]),
+            term("EBXb", &[along_x, along_z]),
+            term("EAXb", &[along_z, "a longer tool"]),
+            term("EBX3", &[along_x, along_z]),
+        ];
+        let groups = groups(&all);
+        let told: Vec<(&str, usize)> =
+            groups.iter().map(|group| (group.what.as_str(), group.terms.len())).collect();
+        let expected = [
+            ("a second place 100 mm along X or Z", 2),
+            ("a second place 100 mm along Z, or a longer tool", 1),
+            ("", 1),
+        ];
+        assert_eq!(told, expected);
+    }
+}
