@@ -57,6 +57,7 @@ impl Arguments {
         let plan = PlanReport::new(&planned, self.repeats);
         let json = plan.to_json()?;
         let mut files = Files::default();
+        files.add(common.output.join("plan.html"), report::plan_page(&plan, &planned)?);
         files.add(common.output.join("plan.json"), json.clone());
         let files = files.write()?;
         if common.json {

@@ -92,7 +92,7 @@ pub fn render(analysis: &Analysis, identifications: &[Identification]) -> Result
 }
 
 /// The signs of the trade instead of ASCII.
-fn fine(text: &str) -> String {
+pub(super) fn fine(text: &str) -> String {
     text.replace(" um", " µm").replace(" urad", " µrad").replace("+-", "±")
 }
 

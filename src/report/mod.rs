@@ -41,7 +41,7 @@ pub use outlook::{
     ClearanceFacts, ComparedSquareness, Comparison, ForeseenErrors, ForeseenHysteresis,
     ForeseenReversal, ForeseenScale, ForeseenSquareness, MountingOutlook, OperatorFacts,
     ParameterOutlook, PlanReport, Planned, SightFacts, Spread, TestOutlook, TimeFacts, TravelFacts,
-    UnseenTerm, VolumeFacts, plan_summary,
+    UnseenTerm, VolumeFacts, plan_page, plan_summary,
 };
 pub use paper::{nearest_text, paper_json, paper_page, paper_text};
 pub use proposal::{proposal_json, proposal_text, unseen_of};

@@ -1,11 +1,15 @@
 //! What a test will be, before it is run: for the terminal, as `plan.json` and as `plan.html`.
 
+mod bars;
 mod cautions;
 mod facts;
 mod gather;
+mod html;
 mod rows;
+mod sphere;
 mod terminal;
 mod unseen;
+mod volume_map;
 
 pub use facts::{
     ClearanceFacts, ComparedSquareness, Comparison, ForeseenErrors, ForeseenHysteresis,
@@ -13,6 +17,7 @@ pub use facts::{
     ParameterOutlook, PlanReport, SightFacts, Spread, TestOutlook, TimeFacts, TravelFacts,
     UnseenTerm, VolumeFacts,
 };
+pub use html::plan_page;
 pub use terminal::plan_summary;
 
 use crate::design::Outlook;

@@ -299,7 +299,8 @@ fn unseen(text: &mut String, test: &TestOutlook, all: bool) {
 /// What stands before the terms of a group.
 pub(super) fn heading(what: &str) -> String {
     if what.is_empty() {
-        "Nothing that was tried separates, most only say where the zero of the machine is".into()
+        "Nothing that was tried separates; most say where the machine's zero is, or name again what is kept"
+            .into()
     } else {
         format!("{} separates", capital(what))
     }
