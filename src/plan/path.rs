@@ -4,7 +4,7 @@ use nalgebra::{UnitVector3, Vector3};
 
 use super::{Arc, PathPlan, Test};
 use crate::error::{Error, Place, Result};
-use crate::machine::Machine;
+use crate::machine::{Axis, Machine};
 
 /// One step of the path. Positions are vectors from the workpiece ball to the tool ball, mm.
 #[derive(Debug, Clone, PartialEq)]
@@ -164,6 +164,26 @@ impl Path {
 
     fn check_travel(&self, test: &Test, machine: &Machine) -> Result<()> {
         let mounting = &test.mountings()[self.mounting];
+        for axis in Axis::ALL {
+            let along = || self.points().map(|point| point[axis.index()]);
+            let (low, high) =
+                (along().fold(f64::INFINITY, f64::min), along().fold(-f64::INFINITY, f64::max));
+            let [from, to] = machine.slide(axis).travel_mm;
+            // Then no other place helps, and the first point outside would mislead.
+            if high - low > to - from {
+                return Err(Error::input(format!(
+                    "mounting `{}`: the path needs {:.1} mm of axis {axis}, which has {} mm",
+                    mounting.name,
+                    high - low,
+                    to - from
+                ))
+                .at(Place::file(test.file()))
+                .hint(format!(
+                    "the bar of {} mm is too long for this machine: use a shorter one, or arcs that need less of {axis}",
+                    mounting.bar_length_mm
+                )));
+            }
+        }
         for point in self.points() {
             machine.axis_positions_mm(&mounting.mounting, point).map_err(|mut error| {
                 error.what = format!("mounting `{}`: {}", mounting.name, error.what);
