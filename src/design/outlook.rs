@@ -314,8 +314,10 @@ fn unseen(
         .zip(remedies)
         .map(|(removal, remedies)| Unseen { name: removal.name, reason: removal.reason, remedies })
         .collect();
-    // What ideal arcs tell apart and the noise does not.
+    // What ideal arcs tell apart and the noise does not; and the other way round, where a slide that
+    // stands still keeps a sense, which ideal arcs do not count.
     if chosen {
+        unseen.retain(|unseen| model.parameters().iter().all(|p| p.name != unseen.name));
         let kept = selection.kept.iter().map(|&k| sight.name(k));
         unseen.extend(kept.filter(|name| !terms.contains(&bare(name))).map(|name| Unseen {
             name: name.to_owned(),

@@ -192,7 +192,7 @@ fn single_remedies(machine: &Machine, test: &[Driven]) -> Vec<Remedy> {
         }
     }
     all.push(Remedy {
-        what: format!("a tool {LONGER_MM:.0} mm longer at the same workpiece ball"),
+        what: format!("a tool {LONGER_MM:.0} mm longer"),
         driven: vec![(longer(first), None)],
     });
     let mut aside = first.clone();
