@@ -86,6 +86,38 @@ fn inspected(chromium: &Path, report: &Path, window: &str) -> serde_json::Value 
     serde_json::from_str(&text).unwrap()
 }
 
+/// Runs the binary; results go to the directory.
+fn ballbar(arguments: &[&str], results: &Path) {
+    let status = Command::new(env!("CARGO_BIN_EXE_ballbar"))
+        .args(arguments)
+        .args(["--quiet", "-o"])
+        .arg(results)
+        .stdout(std::process::Stdio::null())
+        .status()
+        .unwrap();
+    assert!(status.success());
+}
+
+/// The page fits at two widths, shows so many drawings and tables at the least, and prints on so many
+/// pages at the most.
+fn check(chromium: &Path, page: &Path, drawings: u64, tables: u64, most_pages: usize) {
+    let name = page.display();
+    for window in ["1200", "900"] {
+        let found = inspected(chromium, page, window);
+        let findings = found["findings"].as_array().unwrap();
+        assert!(findings.is_empty(), "{name} at {window}: {findings:#?}");
+        assert!(found["resources"].as_array().unwrap().is_empty(), "no network: {found}");
+        assert!(found["drawings"].as_u64().unwrap() >= drawings, "{found}");
+        assert!(found["tables"].as_u64().unwrap() >= tables, "{found}");
+    }
+    let pdf = page.with_extension("pdf");
+    let print = format!("--print-to-pdf={}", pdf.display());
+    browse(chromium, &[&print, "--no-pdf-header-footer"], page);
+    let pages = std::fs::read(&pdf).unwrap();
+    let pages = pages.windows(11).filter(|window| window.starts_with(b"/Type /Page")).count();
+    assert!((3..most_pages).contains(&pages), "{name}: {pages} pages");
+}
+
 #[test]
 fn the_reports_fit_a_screen_and_print() {
     let Some(chromium) = chromium() else {
@@ -95,28 +127,51 @@ fn the_reports_fit_a_screen_and_print() {
     for (set, circles) in [("hu40t", 6), ("planar", 3)] {
         let work = tempfile::tempdir().unwrap();
         let test = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(set);
-        let status = Command::new(env!("CARGO_BIN_EXE_ballbar"))
-            .args(["analyse", test.join("test.toml").to_str().unwrap(), "--quiet", "-o"])
-            .arg(work.path())
-            .stdout(std::process::Stdio::null())
-            .status()
-            .unwrap();
-        assert!(status.success());
-        let report = work.path().join("report.html");
-        for window in ["1200", "900"] {
-            let found = inspected(&chromium, &report, window);
-            let findings = found["findings"].as_array().unwrap();
-            assert!(findings.is_empty(), "{set} at {window}: {findings:#?}");
-            assert!(found["resources"].as_array().unwrap().is_empty(), "no network: {found}");
-            // A polar plot for each circle, two alignment pictures a run, and the residuals.
-            assert!(found["drawings"].as_u64().unwrap() > circles + 5, "{found}");
-            assert!(found["tables"].as_u64().unwrap() >= 3, "{found}");
-        }
-        let pdf = work.path().join("report.pdf");
-        let print = format!("--print-to-pdf={}", pdf.display());
-        browse(&chromium, &[&print, "--no-pdf-header-footer"], &report);
-        let pages = std::fs::read(&pdf).unwrap();
-        let pages = pages.windows(11).filter(|window| window.starts_with(b"/Type /Page")).count();
-        assert!((3..60).contains(&pages), "{set}: {pages} pages");
+        ballbar(&["analyse", test.join("test.toml").to_str().unwrap()], work.path());
+        // A polar plot for each circle, two alignment pictures a run, and the residuals.
+        check(&chromium, &work.path().join("report.html"), circles + 6, 3, 60);
     }
+}
+
+/// Two tests: one with many arcs, some of them below the equator, and one with mountings whose bars,
+/// arcs and names differ.
+#[test]
+fn the_plans_fit_a_screen_and_print() {
+    let Some(chromium) = chromium() else {
+        eprintln!("skipped: Chromium is not installed, so nobody looked at the plan");
+        return;
+    };
+    let work = tempfile::tempdir().unwrap();
+    let machine = Path::new(env!("CARGO_MANIFEST_DIR")).join("machines/hu40t.toml");
+    let head = |name: &str| {
+        format!(
+            "name = \"{name}\"\nmachine = \"{}\"\n[ball_bar]\nlength_mm = 150.0\n\
+             [identify]\nterms = [\"complete\"]\n",
+            machine.display()
+        )
+    };
+    let mounting = |name: &str, at: &str, rest: &str| {
+        format!(
+            "[[mounting]]\nname = \"{name}\"\ncoincidence_mm = {at}\n\
+             tool_ball_mm = [0.0, 0.0, -200.0]\n{rest}\n"
+        )
+    };
+    let many = head("Many arcs")
+        + &mounting("A", "[20.0, -35.0, 40.0]", "")
+        + "[plan]\nstrategy = \"3d10\"\nfeed_mm_min = 2000.0\n\
+           [[plan.arc]]\nkind = \"parallel\"\npolar_deg = 50.0\n\
+           [[plan.arc]]\nkind = \"circle\"\nstart = [1.0, 0.0, 0.2]\nnormal = [0.0, 0.5, 1.0]\n";
+    let places = head("Three places & <two> bars")
+        + &mounting("A", "[-100.0, -100.0, 0.0]", "")
+        + &mounting("left, behind the pallet", "[100.0, -60.0, 60.0]", "bar_length_mm = 100.0")
+        + &mounting("C", "[0.0, 100.0, 120.0]", "")
+        + "[plan]\nstrategy = \"2d\"\nfeed_mm_min = 2000.0\n\
+           [[plan.arc]]\nkind = \"meridian\"\nazimuth_deg = 45.0\nmountings = [\"C\"]\n";
+    std::fs::write(work.path().join("many.toml"), many).unwrap();
+    std::fs::write(work.path().join("places.toml"), places).unwrap();
+    let [many, places] = ["many.toml", "places.toml"].map(|name| work.path().join(name));
+    let (many, places) = (many.to_str().unwrap(), places.to_str().unwrap());
+    ballbar(&["plan", many, places, "--repeats", "3"], work.path());
+    // Of each: spheres, travel, time, at least one set of maps with its scale.
+    check(&chromium, &work.path().join("plan.html"), 4 + 2 * (2 + 4), 15, 30);
 }

@@ -4,5 +4,6 @@
 
 mod good;
 mod mountings;
+mod plan;
 mod refused;
 mod work;

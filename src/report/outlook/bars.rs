@@ -6,7 +6,7 @@ use crate::report::numbers::{fixed, typeset};
 use crate::report::svg::{Anchor, Drawing, text_width};
 use crate::report::ticks::ticks;
 
-const WIDTH: f64 = 980.0;
+const WIDTH: f64 = 880.0;
 /// Height of a bar and from bar to bar, pixels.
 const BAR: f64 = 15.0;
 const ROW: f64 = 20.0;
@@ -47,12 +47,7 @@ pub(super) fn time(test: &TestOutlook) -> String {
         drawing.text((left - 6.0, y + 12.0), Anchor::End, "tick strong", &mounting.name);
         let mut from_s = 0.0;
         for (seconds, (_, class)) in kinds(&mounting.time).into_iter().zip(KINDS) {
-            drawing.rectangle(
-                (x_at(from_s), y),
-                x_at(from_s + seconds) - x_at(from_s),
-                BAR,
-                class,
-            );
+            drawing.rectangle((x_at(from_s), y), x_at(from_s + seconds) - x_at(from_s), BAR, class);
             from_s += seconds;
         }
         let total = clock(mounting.time.total_s);
@@ -62,14 +57,7 @@ pub(super) fn time(test: &TestOutlook) -> String {
 }
 
 fn kinds(time: &TimeFacts) -> [f64; 6] {
-    [
-        time.arcs_s,
-        time.transits_s,
-        time.other_feed_s,
-        time.dwell_s,
-        time.rapid_s,
-        time.operator_s,
-    ]
+    [time.arcs_s, time.transits_s, time.other_feed_s, time.dwell_s, time.rapid_s, time.operator_s]
 }
 
 /// What every mounting needs of the travel of each axis; the stroke is where the balls coincide.

@@ -2,7 +2,7 @@
 
 use super::facts::TestOutlook;
 use crate::report::cautions::{DETERMINED, list};
-use crate::report::numbers::fixed;
+use crate::report::numbers::{fixed, many};
 
 /// Bodies that pass nearer than this deserve a look before the program runs, mm.
 const NEAR_MM: f64 = 10.0;
@@ -19,13 +19,20 @@ pub(super) fn of(test: &TestOutlook, minimum_norm: bool) -> Vec<String> {
             sight.ideal_rank
         ));
     }
+    if sight.rank > sight.ideal_rank {
+        all.push(format!(
+            "The path shows {} more than ideal arcs, on which a slide that stands still has no sense: that much hangs on the senses that standing slides keep from their last motion.",
+            many(sight.rank - sight.ideal_rank, "direction")
+        ));
+    }
     all
 }
 
 fn clearance(test: &TestOutlook) -> Vec<String> {
     let named = |at: &super::facts::MountingOutlook| {
         let least = at.clearance.as_ref()?;
-        let where_ = format!("on {} at the ball vector {} mm", least.section, vector(&least.ball_mm));
+        let where_ =
+            format!("on {} at the ball vector {} mm", least.section, vector(&least.ball_mm));
         if least.clearance_mm <= 0.0 {
             return Some(format!(
                 "COLLISION: mounting {}: {} and support touch {where_}. Do not run {}.",

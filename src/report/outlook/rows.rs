@@ -16,7 +16,11 @@ fn head(cells: &[&str]) -> Row {
 pub(super) fn clock(seconds: f64) -> String {
     let whole = seconds.round() as u64;
     let (hours, minutes, rest) = (whole / 3600, whole / 60 % 60, whole % 60);
-    if hours > 0 { format!("{hours}:{minutes:02}:{rest:02}") } else { format!("{minutes}:{rest:02}") }
+    if hours > 0 {
+        format!("{hours}:{minutes:02}:{rest:02}")
+    } else {
+        format!("{minutes}:{rest:02}")
+    }
 }
 
 /// Time by kind, a row a mounting, one for all, and one for all repeats where there are several.
@@ -38,8 +42,16 @@ pub(super) fn time(test: &TestOutlook, repeats: u32) -> Vec<Row> {
         row
     };
     let mut rows = vec![head(&[
-        "mounting", "arcs", "transits", "other feed", "dwells", "rapid", "machine", "operator",
-        "total", "stops",
+        "mounting",
+        "arcs",
+        "transits",
+        "other feed",
+        "dwells",
+        "rapid",
+        "machine",
+        "operator",
+        "total",
+        "stops",
     ])];
     rows.extend(test.mountings.iter().map(|m| row(m.name.clone(), &m.time)));
     if test.mountings.len() > 1 {
@@ -54,8 +66,15 @@ pub(super) fn time(test: &TestOutlook, repeats: u32) -> Vec<Row> {
 /// What a mounting is, a row each.
 pub(super) fn mountings(test: &TestOutlook) -> Vec<Row> {
     let mut rows = vec![head(&[
-        "mounting", "program", "balls coincide at, mm", "bar, mm", "arcs", "path, mm", "transits",
-        "path, mm", "samples",
+        "mounting",
+        "program",
+        "balls coincide at, mm",
+        "bar, mm",
+        "arcs",
+        "path, mm",
+        "transits",
+        "path, mm",
+        "samples",
     ])];
     rows.extend(test.mountings.iter().map(|m| {
         vec![
@@ -84,9 +103,7 @@ pub(super) fn travel(test: &TestOutlook) -> Vec<Row> {
     }
     rows.extend(test.mountings.iter().map(|mounting| {
         let mut row = vec![mounting.name.clone()];
-        row.extend(
-            mounting.travel.iter().flat_map(|t| [range(t.used_mm), fixed(t.margin_mm, 1)]),
-        );
+        row.extend(mounting.travel.iter().flat_map(|t| [range(t.used_mm), fixed(t.margin_mm, 1)]));
         row
     }));
     rows

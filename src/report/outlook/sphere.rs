@@ -26,8 +26,8 @@ pub(super) struct Circle {
     pub(super) colour: usize,
     /// What the program calls it, without the direction.
     pub(super) name: String,
-    /// Number and direction of each arc, such as `1 CCW, 2 CW`.
-    pub(super) arcs: String,
+    /// Numbers of its arcs.
+    pub(super) numbers: String,
 }
 
 /// The drawing, and the circles for its legend.
@@ -89,17 +89,16 @@ fn legs(arcs: &[(Arc, bool)]) -> Vec<Leg<'_>> {
 
 fn circles(legs: &[Leg<'_>]) -> Vec<Circle> {
     let mut circles: Vec<Circle> = Vec::new();
-    for (number, leg) in legs.iter().enumerate() {
-        let (name, direction) = leg.arc.name.rsplit_once(' ').unwrap_or((&leg.arc.name, ""));
-        let told = format!("{} {direction}", number + 1);
+    for (number, leg) in (1..).zip(legs) {
         match circles.last_mut() {
             Some(circle) if !leg.first_of_circle => {
-                circle.arcs = format!("{}, {told}", circle.arcs);
+                circle.numbers = format!("{}, {number}", circle.numbers);
             }
             _ => circles.push(Circle {
                 colour: leg.circle % COLOURS,
-                name: name.to_owned(),
-                arcs: told,
+                // The arrow in the drawing shows the direction that the name ends with.
+                name: leg.arc.name.rsplit_once(' ').map_or(&*leg.arc.name, |n| n.0).to_owned(),
+                numbers: number.to_string(),
             }),
         }
     }
@@ -271,8 +270,7 @@ impl View {
             if !self.in_front(p) {
                 continue;
             }
-            let (a, at, b) =
-                (self.at(&leg.points[k - 1]), self.at(p), self.at(&leg.points[k + 1]));
+            let (a, at, b) = (self.at(&leg.points[k - 1]), self.at(p), self.at(&leg.points[k + 1]));
             let way = (b.0 - a.0, b.1 - a.1);
             let length = way.0.hypot(way.1);
             // Where the arc comes towards the viewer an arrow would say nothing.

@@ -9,7 +9,7 @@ use crate::report::numbers::{fixed, many};
 use crate::report::text::{WIDTH, paragraph, table};
 
 /// So many lines of what a test cannot tell are shown unless all are wanted.
-const MOST_UNSEEN: usize = 12;
+const MOST_UNSEEN: usize = 14;
 
 /// What the tests are, take and will tell; several of them side by side, each by itself if `all`, which
 /// also lists every term that they cannot tell.
@@ -46,20 +46,18 @@ fn side_by_side(text: &mut String, plan: &PlanReport) {
     text.push('\n');
     let rows = rows::side_by_side(plan);
     // As many tests at a time as fit.
-    let width = |k: usize| rows.iter().filter_map(move |row| row.get(k)).map(|c| c.chars().count() + 2);
+    let width =
+        |k: usize| rows.iter().filter_map(move |row| row.get(k)).map(|c| c.chars().count() + 2);
     let width = |k: usize| width(k).max().unwrap_or(0);
     let mut first = 1;
     while first <= plan.tests.len() {
         let mut end = first + 1;
-        while end <= plan.tests.len()
-            && width(0) + (first..=end).map(width).sum::<usize>() <= WIDTH
+        while end <= plan.tests.len() && width(0) + (first..=end).map(width).sum::<usize>() <= WIDTH
         {
             end += 1;
         }
-        let part: Vec<rows::Row> = rows
-            .iter()
-            .map(|row| [&row[..1], &row[first..end]].concat())
-            .collect();
+        let part: Vec<rows::Row> =
+            rows.iter().map(|row| [&row[..1], &row[first..end]].concat()).collect();
         if first > 1 {
             text.push('\n');
         }
@@ -227,7 +225,8 @@ fn unknown(test: &TestOutlook) -> String {
 /// What the operator's time assumes.
 pub(super) fn assumed(test: &TestOutlook, repeats: u32) -> String {
     let operator = &test.operator;
-    let again = if repeats > 1 { "; the balls stay where they are between the repeats" } else { "" };
+    let again =
+        if repeats > 1 { "; the balls stay where they are between the repeats" } else { "" };
     format!(
         "The operator's time is an assumption of the test file: {} min to set up a mounting, {} min to fit the bar, {} s at a stop between arcs{again}.",
         operator.set_up_min, operator.fit_bar_min, operator.stop_s
@@ -272,7 +271,10 @@ fn unseen(text: &mut String, test: &TestOutlook, all: bool) {
         let names: Vec<&str> = group.terms.iter().map(|term| term.name.as_str()).collect();
         format!("{}: {}", heading(&group.what), names.join(" "))
     };
-    let last = nothing.first().map(|group| filled("  ", &names(group)));
+    let last = nothing.first().map(|group| {
+        let named = format!("separates {}", many(group.terms.len(), "other"));
+        filled("  ", &heading("").replacen("separates", &named, 1))
+    });
     let last = last.and_then(&mut fits);
     let mut kept: Vec<&Group<'_>> = Vec::new();
     for group in remedied {

@@ -10,7 +10,8 @@ pub(super) struct Group<'a> {
     pub(super) terms: Vec<&'a UnseenTerm>,
 }
 
-/// The groups, the largest first and the terms of each by name; what nothing separates comes last.
+/// The groups from little trouble to much, the largest first where the least trouble is the same, the
+/// terms of each by name; what nothing separates comes last.
 pub(super) fn groups(unseen: &[UnseenTerm]) -> Vec<Group<'_>> {
     let mut groups: Vec<Group<'_>> = Vec::new();
     for term in unseen {
@@ -23,8 +24,28 @@ pub(super) fn groups(unseen: &[UnseenTerm]) -> Vec<Group<'_>> {
     for group in &mut groups {
         group.terms.sort_by(|a, b| a.name.cmp(&b.name));
     }
-    groups.sort_by_key(|group| (group.what.is_empty(), std::cmp::Reverse(group.terms.len())));
+    let order = by_trouble(unseen);
+    let trouble = |group: &Group<'_>| {
+        let first = group.terms.first().and_then(|term| term.remedies.first());
+        first.map_or(order.len(), |first| order.iter().position(|o| o == first).unwrap_or(0))
+    };
+    groups.sort_by_cached_key(|group| (trouble(group), std::cmp::Reverse(group.terms.len())));
     groups
+}
+
+/// All remedies in one order: those of every term stand from little trouble to much.
+fn by_trouble(unseen: &[UnseenTerm]) -> Vec<&str> {
+    let mut order: Vec<&str> = Vec::new();
+    for term in unseen {
+        let mut at = 0;
+        for remedy in &term.remedies {
+            at = 1 + order.iter().position(|known| known == remedy).unwrap_or_else(|| {
+                order.insert(at, remedy);
+                at
+            });
+        }
+    }
+    order
 }
 
 /// `a second place 100 mm along X or Z, or a longer tool`: neighbours that differ in their last word share
@@ -56,9 +77,7 @@ fn joined(words: &[&str], last: &str) -> String {
 /// A sentence begins with a capital.
 pub(super) fn capital(words: &str) -> String {
     let mut letters = words.chars();
-    letters.next().map_or_else(String::new, |first| {
-        first.to_uppercase().chain(letters).collect()
-    })
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 #[cfg(test)]
@@ -77,12 +96,14 @@ mod tests {
             term("EXX0", &[]),
             term("EBXb", &[along_x, along_z]),
             term("EAXb", &[along_z, "a longer tool"]),
+            term("EZX3", &["more arcs", along_z]),
             term("EBX3", &[along_x, along_z]),
         ];
         let groups = groups(&all);
         let told: Vec<(&str, usize)> =
             groups.iter().map(|group| (group.what.as_str(), group.terms.len())).collect();
         let expected = [
+            ("more arcs, or a second place 100 mm along Z", 1),
             ("a second place 100 mm along X or Z", 2),
             ("a second place 100 mm along Z, or a longer tool", 1),
             ("", 1),
