@@ -301,7 +301,14 @@ fn unseen(
     let names: Vec<String> = test.mountings().iter().map(|m| m.name.clone()).collect();
     let sight = sight(machine, &driven, &names)?;
     let bare = |name: &str| name.split('@').next().unwrap_or_default().to_owned();
-    let terms: Vec<String> = model.parameters().iter().map(|p| bare(&p.name)).collect();
+    let mut terms: Vec<String> = Vec::new();
+    for parameter in model.parameters() {
+        // A bare name stands for the set-up errors of all mountings.
+        let name = bare(&parameter.name);
+        if !terms.contains(&name) {
+            terms.push(name);
+        }
+    }
     let rank = sight.rank(&sight.columns(|name| terms.iter().any(|term| term == name)))?;
     let order = if chosen { identify::order_of(&test.estimation().terms)? } else { terms.clone() };
     let selection = sight.select(&sight.ordered(&order))?;

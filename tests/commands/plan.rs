@@ -130,6 +130,19 @@ fn named_terms_that_the_test_confounds_are_told() {
 }
 
 #[test]
+fn named_terms_that_two_mountings_see_leave_nothing_untold_and_long_names_fit() {
+    let work = planned(&format!(
+        "[[mounting]]\nname = \"on the left, behind the second pallet\"\nbar_length_mm = 100.0\n\
+         coincidence_mm = [100.0, 60.0, 60.0]\ntool_ball_mm = [0.0, 0.0, -200.0]\n\
+         [plan]\nstrategy = \"3d5\"\n{QUICK}[identify]\nterms = [\"paper37\"]\n"
+    ));
+    let told = work.ballbar(&["plan", "test.toml", "--repeats", "12"]).done().stdout();
+    assert!(told.contains("37 of 90 coefficients and 6 set-up errors"), "{told}");
+    assert!(!told.contains("cannot tell") && !told.contains("Cautions"), "{told}");
+    assert!(told.lines().all(|line| line.chars().count() <= 100), "{told}");
+}
+
+#[test]
 fn bodies_that_come_near_or_touch_are_told_first() {
     // The holder meets a post that stands upright over the pole of the sphere.
     for (post_mm, word) in

@@ -71,9 +71,9 @@ pub(super) fn mountings(test: &TestOutlook) -> Vec<Row> {
         "balls coincide at, mm",
         "bar, mm",
         "arcs",
-        "path, mm",
+        "mm",
         "transits",
-        "path, mm",
+        "mm",
         "samples",
     ])];
     rows.extend(test.mountings.iter().map(|m| {

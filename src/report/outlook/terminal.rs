@@ -10,6 +10,9 @@ use crate::report::text::{WIDTH, paragraph, table};
 
 /// So many lines of what a test cannot tell are shown unless all are wanted.
 const MOST_UNSEEN: usize = 14;
+/// Names of mountings are cut to so many letters in tables, those of tests to so many.
+const LONGEST_NAME: usize = 14;
+const LONGEST_TEST: usize = 26;
 
 /// What the tests are, take and will tell; several of them side by side, each by itself if `all`, which
 /// also lists every term that they cannot tell.
@@ -44,7 +47,10 @@ fn side_by_side(text: &mut String, plan: &PlanReport) {
         let _ = write!(text, " (each {} times; sigma of the mean)", plan.repeats);
     }
     text.push('\n');
-    let rows = rows::side_by_side(plan);
+    let rows: Vec<rows::Row> = rows::side_by_side(plan)
+        .into_iter()
+        .map(|row| row.iter().map(|cell| cut(cell, LONGEST_TEST)).collect())
+        .collect();
     // As many tests at a time as fit.
     let width =
         |k: usize| rows.iter().filter_map(move |row| row.get(k)).map(|c| c.chars().count() + 2);
@@ -67,7 +73,7 @@ fn side_by_side(text: &mut String, plan: &PlanReport) {
 }
 
 fn one(text: &mut String, test: &TestOutlook, repeats: u32, all: bool) {
-    let _ = writeln!(text, "{}", test.name);
+    paragraph(text, "", &test.name);
     paragraph(text, "", &under_title(test));
     text.push('\n');
     for line in verdict(test, repeats) {
@@ -78,21 +84,21 @@ fn one(text: &mut String, test: &TestOutlook, repeats: u32, all: bool) {
         list(text, &test.cautions);
     }
     text.push_str("\nMountings\n");
-    text.push_str(&table(&rows::mountings(test), "lllrrrrrr"));
+    text.push_str(&table(&narrow(rows::mountings(test)), "lllrrrrrr"));
     for line in clearances(test) {
         paragraph(text, "  ", &line);
     }
     text.push_str("\nTravel, mm (used by the path, and what is left to the nearer limit)\n");
-    text.push_str(&table(&rows::travel(test), "lrrrrrr"));
+    text.push_str(&table(&narrow(rows::travel(test)), "lrrrrrr"));
     text.push_str("\nTime, min:s\n");
-    text.push_str(&table(&rows::time(test, repeats), "lrrrrrrrrr"));
+    text.push_str(&table(&narrow(rows::time(test, repeats)), "lrrrrrrrrr"));
     paragraph(text, "  ", &assumed(test, repeats));
     text.push_str("\nWhat it will know\n");
     let sides = if repeats > 1 { "llrrl" } else { "llrl" };
     text.push_str(&table(&rows::machine_errors(test, repeats), sides));
     paragraph(text, "  ", STEP);
     text.push_str("\nCoefficients and set-up errors\n");
-    let coefficients = rows::parameters(test, repeats, false);
+    let coefficients = narrow(rows::parameters(test, repeats, false));
     text.push_str(&beside(&coefficients, if repeats > 1 { "lrrl" } else { "lrl" }));
     unseen(text, test, all);
 }
@@ -123,6 +129,22 @@ fn list(text: &mut String, lines: &[String]) {
     for line in lines {
         paragraph(text, "  - ", line);
     }
+}
+
+/// The same table with its first column cut: a table cannot be filled into lines.
+fn narrow(mut rows: Vec<rows::Row>) -> Vec<rows::Row> {
+    for name in rows.iter_mut().filter_map(|row| row.first_mut()) {
+        *name = cut(name, LONGEST_NAME);
+    }
+    rows
+}
+
+fn cut(text: &str, most: usize) -> String {
+    if text.chars().count() <= most {
+        return text.to_owned();
+    }
+    let begin: String = text.chars().take(most - 2).collect();
+    format!("{}..", begin.trim_end())
 }
 
 /// A long table in two halves side by side, each with its head.
