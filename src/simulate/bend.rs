@@ -1,7 +1,9 @@
 //! What bends the chain: from the state of the machine to the errors of its chain.
 
-use super::{ClockMoment, Scenario};
-use crate::machine::{Axis, ChainErrors, Pose};
+use nalgebra::Vector3;
+
+use super::{ClockMoment, Coincidence, Scenario};
+use crate::machine::{Axis, ChainErrors, Machine, Mounting, Pose};
 use crate::motion::{State, Trajectory};
 
 /// Short against everything a program does, long against the rounding of its times, s.
@@ -20,6 +22,20 @@ pub(super) fn state_at(trajectory: &Trajectory, moment: &ClockMoment) -> State {
         state.velocity_mm_s.fill(0.0);
     }
     state
+}
+
+/// The scenario with the tool ball where the operator has put it: where he brought the balls together, the
+/// errors of the machine there are part of the set-up.
+pub(super) fn set_up(scenario: &Scenario, machine: &Machine, mounting: &Mounting) -> Scenario {
+    let mut scenario = scenario.clone();
+    if scenario.coincidence == Coincidence::Touched {
+        let position_mm = mounting.coincidence_mm;
+        let pose = Pose { position_mm, sense: Vector3::zeros() };
+        let slides = Axis::ALL.map(|slide| scenario.errors.slide_error(slide, &pose));
+        let errors = ChainErrors { slides, ..ChainErrors::zero() };
+        scenario.tool_ball_mm -= machine.ball_vector_mm(mounting, &position_mm, &errors);
+    }
+    scenario
 }
 
 /// The errors of the chain in a state of the machine: each slide's error functions (paper, Eq. 3) and

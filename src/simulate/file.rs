@@ -33,7 +33,7 @@ use std::path::Path;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::{Dropouts, Noise, Pauses, Scenario};
+use super::{Coincidence, Dropouts, Noise, Pauses, Scenario};
 use crate::error::{Error, Place, Result};
 use crate::model::{Coefficient, ErrorFunctions, SetUp};
 use crate::toml_text::{self, Text};
@@ -78,6 +78,8 @@ struct RawScenario {
     feed_override_percent: Option<Spanned<f64>>,
     coefficients: Option<Values>,
     set_up: Option<Values>,
+    #[serde(default)]
+    coincidence: Coincidence,
     #[serde(default)]
     noise: RawNoise,
     #[serde(default)]
@@ -147,6 +149,7 @@ impl RawScenario {
                 scenario.set_set_up(set_up, finite(value, name.get_ref(), text)?);
             }
         }
+        scenario.coincidence = self.coincidence;
         scenario.noise = self.noise.check(&scenario.noise, text)?;
         let within =
             |value: &Option<Spanned<f64>>, key: &str, default: f64, low: f64, high: f64| {

@@ -44,5 +44,5 @@ mod write;
 pub use clock::{Clock, ClockMoment};
 pub use noise::Noise;
 pub use run::{SimulatedRun, TruePoint, run};
-pub use scenario::{Dropouts, Pauses, Scenario};
+pub use scenario::{Coincidence, Dropouts, Pauses, Scenario};
 pub use write::{TrueRun, truth_toml};

@@ -1,6 +1,6 @@
 //! One run: the program on the virtual machine, read by the virtual instrument.
 
-use super::bend::{bend, state_at};
+use super::bend::{bend, set_up, state_at};
 use super::clock::{self, Clock};
 use super::instrument::{Instrument, Outcome, Reads};
 use super::random::{Purpose, Stream};
@@ -35,7 +35,7 @@ pub struct SimulatedRun {
     pub truth: Vec<TruePoint>,
     /// The two clocks, with the length of every operator's pause.
     pub clock: Clock,
-    /// What was asked for.
+    /// What was asked for, with the set-up errors that came of it.
     pub scenario: Scenario,
     /// Samples a second.
     pub sample_rate_hz: f64,
@@ -74,6 +74,7 @@ pub fn run(
     bar: &BallBar,
     scenario: &Scenario,
 ) -> Result<SimulatedRun> {
+    let scenario = &set_up(scenario, machine, mounting);
     let trajectory = Trajectory::new(program, machine, scenario.feed_override);
     let pauses_s = pauses_s(program, &trajectory, scenario)?;
     let clock = Clock::new(&trajectory, scenario.start_s, scenario.clock_ppm, pauses_s);

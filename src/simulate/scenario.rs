@@ -25,6 +25,18 @@ pub struct Dropouts {
     pub missing_rows: bool,
 }
 
+/// What the machine coordinates of a mounting say of its balls.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Coincidence {
+    /// There the balls of a perfect machine would meet: the errors that the real one has there are seen by
+    /// the bar, besides the set-up errors.
+    #[default]
+    Nominal,
+    /// There the operator has brought the real balls together, up to the set-up errors.
+    Touched,
+}
+
 /// A virtual machine and instrument.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scenario {
@@ -36,6 +48,8 @@ pub struct Scenario {
     pub workpiece_ball_mm: Vector3<f64>,
     /// Set-up error of the tool ball, `EXt EYt EZt`, mm.
     pub tool_ball_mm: Vector3<f64>,
+    /// What the coordinates of a mounting mean.
+    pub coincidence: Coincidence,
     /// Noise of the readings.
     pub noise: Noise,
     /// How long before the program the log begins, s.
@@ -133,6 +147,7 @@ impl Scenario {
             errors: ErrorFunctions::default(),
             workpiece_ball_mm: Vector3::zeros(),
             tool_ball_mm: Vector3::zeros(),
+            coincidence: Coincidence::Nominal,
             noise: Noise::OFF,
             start_s: 3.0,
             clock_ppm: 0.0,
