@@ -96,7 +96,7 @@ fn as_text(machine: &Machine) -> String {
     let _ = writeln!(
         text,
         "  control   {}, {} decimals, {:.0} mm/s2 along the path, stops at corners above {:.0} deg",
-        controller.dialect,
+        controller.dialect.name(),
         controller.decimals,
         controller.path_acceleration_mm_s2,
         controller.corner_stop_rad.to_degrees()

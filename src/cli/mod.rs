@@ -6,6 +6,7 @@
 
 mod align;
 mod analyse;
+mod check;
 mod demo;
 mod estimate;
 mod identify;
@@ -40,6 +41,7 @@ A machine file says what the machine is, a test file says what is tested, with w
 const AFTER_HELP: &str = "Examples:
   ballbar demo                                 the whole chain on measured logs, in a few seconds
   ballbar program test.toml -o out             write the NC programs of a test
+  ballbar check out/O1001.nc --test test.toml  what is wrong with a program that was edited
   ballbar analyse test.toml -o out             align the logs, identify, write the report
   ballbar identify test.toml --json | jq .     coefficients for another program
 
@@ -68,6 +70,7 @@ struct Common {
 #[derive(Subcommand)]
 enum Command {
     Program(program::Arguments),
+    Check(check::Arguments),
     Simulate(simulate::Arguments),
     Align(align::Arguments),
     Identify(identify::Arguments),
@@ -86,6 +89,7 @@ pub fn main() -> ExitCode {
     let common = &cli.common;
     let done = match &cli.command {
         Command::Program(arguments) => arguments.run(common, &talk),
+        Command::Check(arguments) => arguments.run(common, &talk),
         Command::Simulate(arguments) => arguments.run(common, &talk),
         Command::Align(arguments) => arguments.run(common, &talk),
         Command::Identify(arguments) => arguments.run(common, &talk),

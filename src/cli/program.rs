@@ -69,7 +69,7 @@ impl Written {
         let text = nc::write(test, machine, &path)?;
         let name = format!("O{:04}.nc", test.plan()?.program_number + mounting as u32);
         let named = &test.mountings()[mounting];
-        let mut reading = nc::Reading::default();
+        let mut reading = nc::Reading::of(machine);
         reading.work_offsets_mm.insert(named.work_offset, named.mounting.coincidence_mm);
         let program = nc::read(&text, name.as_ref(), &reading)?;
         let back = nc::read_back(&program, test, &path)?;

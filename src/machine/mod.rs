@@ -19,5 +19,5 @@ mod topology;
 
 pub use axis::Axis;
 pub use chain::{ChainErrors, Mounting, Pose, SlideError};
-pub use file::{Controller, Machine, Pivot, Slide};
+pub use file::{Controller, Dialect, Machine, Pivot, Slide};
 pub use topology::{Side, Topology};

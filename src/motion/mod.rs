@@ -14,5 +14,4 @@ mod profile;
 mod trajectory;
 
 pub use profile::Profile;
-pub(crate) use trajectory::length_mm;
 pub use trajectory::{Block, BlockKind, Duration, State, Trajectory};

@@ -37,6 +37,7 @@
 //! coordinate rotation and scaling, macros. All of them are errors.
 
 mod arc;
+pub mod check;
 mod command;
 mod lex;
 mod listing;
@@ -49,6 +50,7 @@ mod run;
 mod tests;
 mod write;
 
+pub use check::{Checked, Finding, Severity, Sphere, check};
 pub use program::{Action, Move, Path, Program, Step};
 pub use read::{Reading, read, read_file, text_of};
 pub use write::{ReadBack, read_back, write};
