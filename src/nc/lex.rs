@@ -171,7 +171,10 @@ impl<'a> Lexer<'a> {
             self.at += 1;
         }
         let end = if self.at == number { start + 1 } else { self.at };
-        let fault = |what: String| Err(Fault::span(start..end, what));
+        let fault = |what: String| {
+            Err(Fault::span(start..end, what)
+                .hint("an address is followed by one number, such as X-12.345"))
+        };
         let name = char::from(letter);
         if signs > 1 {
             return fault(format!("the number after {name} has more than one sign"));
@@ -266,6 +269,7 @@ impl<'a> Lexer<'a> {
                     .take_while(|b| b.is_ascii_digit() || matches!(b, b'+' | b'-' | b'.'))
                     .count();
                 Fault::span(self.at..self.at + width, "a number without an address letter")
+                    .hint("write the letter in front of it, such as X-12.345")
             }
             '#' | '[' | ']' | '=' | '*' | '<' | '>' => {
                 fault(&format!("`{first}` belongs to a macro, and macros are not followed"))

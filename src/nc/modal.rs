@@ -215,7 +215,8 @@ impl Modal {
     /// Puts a feed in force: mm/min or inch/min, with or without a point.
     pub(crate) fn set_feed(&mut self, word: &Word) -> Result<(), Fault> {
         if word.value < 0.0 {
-            return Err(Fault::word(word, format!("the feed {} is negative", word.value)));
+            return Err(Fault::word(word, format!("the feed {} is negative", word.value))
+                .hint("F is a speed in mm/min or inch/min, never negative"));
         }
         let unit_mm = if self.inch { INCH_MM } else { 1.0 };
         self.feed_mm_s = word.value * unit_mm / 60.0;
@@ -236,7 +237,9 @@ impl Modal {
 /// A word that this reader does not know, with what is known about it.
 pub(crate) fn unknown(word: &Word) -> Fault {
     let hint = match (word.letter, word.value as u32) {
-        (b'G', 5 | 8 | 9) => "this control has no such word: take it out, or name the dialect of the program in the machine file",
+        (b'G', 5 | 8 | 9) => {
+            "this control has no such word: take it out, or name the dialect of the program in the machine file"
+        }
         (b'G', 28 | 30) => {
             "where the reference point is and how it is reached is not known here: position with G00 G53"
         }

@@ -51,8 +51,8 @@ impl<'a> Machine<'a> {
                         self.modal.apply(code);
                     }
                 }
-                // A negative feed has been told already.
-                b'F' => drop(self.modal.set_feed(word)),
+                // A negative feed has been told already; without one, every block would be told too.
+                b'F' => drop(self.modal.set_feed(&Word { value: word.value.abs(), ..*word })),
                 _ => {}
             }
         }

@@ -3,7 +3,7 @@
 use super::Findings;
 use crate::machine::{Axis, Machine};
 use crate::nc::lex::Fault;
-use crate::nc::listing::Listing;
+use crate::nc::listing::{Block, Listing};
 use crate::nc::program::{Action, Move, Step};
 use crate::nc::run::Ran;
 
@@ -21,14 +21,24 @@ pub(super) fn check(
     let mut first = true;
     for step in &ran.steps {
         let Action::Move(motion) = &step.action else { continue };
-        for (axis, low, high) in reach(motion, first) {
+        // No move led to the start of the first one: the positioning from wherever the machine stood.
+        if std::mem::take(&mut first) {
+            let line = listing.positioned_before(step.line);
+            for axis in Axis::ALL {
+                let at = motion.start_mm[axis.index()];
+                extent[axis.index()] = [at, at];
+                if placed {
+                    travel(listing, line, machine, axis, [at, at], findings);
+                }
+            }
+        }
+        for (axis, low, high) in reach(motion) {
             let [from, to] = &mut extent[axis.index()];
             (*from, *to) = (from.min(low), to.max(high));
             if placed {
-                travel(listing, step, machine, axis, [low, high], findings);
+                travel(listing, step.line, machine, axis, [low, high], findings);
             }
         }
-        first = false;
         if !motion.rapid {
             feed(listing, step, motion, machine, findings);
         }
@@ -52,14 +62,13 @@ pub(super) fn check(
     }
 }
 
-/// Lowest and highest coordinate of a move on each axis; its start counts only where no move led there.
-fn reach(motion: &Move, first: bool) -> [(Axis, f64, f64); 3] {
+/// Lowest and highest coordinate of a move on each axis, its start left out.
+fn reach(motion: &Move) -> [(Axis, f64, f64); 3] {
     let between: Vec<_> =
         motion.extreme_shares().into_iter().map(|share| motion.at(share).0).collect();
     Axis::ALL.map(|axis| {
         let k = axis.index();
-        let start = if first { motion.start_mm[k] } else { motion.end_mm[k] };
-        let all = between.iter().map(|point| point[k]).chain([start, motion.end_mm[k]]);
+        let all = between.iter().map(|point| point[k]).chain([motion.end_mm[k]]);
         all.fold((axis, f64::INFINITY, f64::NEG_INFINITY), |(axis, low, high), at| {
             (axis, low.min(at), high.max(at))
         })
@@ -68,7 +77,7 @@ fn reach(motion: &Move, first: bool) -> [(Axis, f64, f64); 3] {
 
 fn travel(
     listing: &Listing,
-    step: &Step,
+    line: usize,
     machine: &Machine,
     axis: Axis,
     [from, to]: [f64; 2],
@@ -83,18 +92,13 @@ fn travel(
         return;
     };
     let what = format!("axis {axis} would go to {beyond:.3} mm in machine coordinates");
-    let hint = format!("its travel is {low} to {high} mm: check the coordinate and the work offset");
-    findings.error("travel", listing.at_word(step.line, b"XYZ"[axis.index()], what).hint(hint));
+    let hint =
+        format!("its travel is {low} to {high} mm: check the coordinate and the work offset");
+    findings.error("travel", listing.at_word(line, b"XYZ"[axis.index()], what).hint(hint));
 }
 
 /// No axis is asked for more than its fastest feed.
-fn feed(
-    listing: &Listing,
-    step: &Step,
-    motion: &Move,
-    machine: &Machine,
-    findings: &mut Findings,
-) {
+fn feed(listing: &Listing, step: &Step, motion: &Move, machine: &Machine, findings: &mut Findings) {
     let fastest = |axis: Axis| machine.slide(axis).max_feed_mm_s;
     if Axis::ALL.into_iter().all(|axis| motion.feed_mm_s <= fastest(axis)) {
         return;
@@ -126,6 +130,15 @@ fn single_offset(listing: &Listing) -> bool {
 }
 
 impl Listing<'_> {
+    /// The last line before this one that names a coordinate, or this one.
+    fn positioned_before(&self, line: usize) -> usize {
+        let end = self.blocks.partition_point(|block| block.line.number < line);
+        let names = |block: &&Block| {
+            self.words(block).iter().any(|word| matches!(word.letter, b'X'..=b'Z'))
+        };
+        self.blocks[..end].iter().rfind(names).map_or(line, |block| block.line.number)
+    }
+
     /// An error of the word with this letter in a line, or of the line if it has none.
     fn at_word(&self, line: usize, letter: u8, what: String) -> crate::Error {
         let Some(block) = self.block_of(line) else { return self.whole(what) };

@@ -316,7 +316,9 @@ impl Walk<'_, '_> {
         let error = self.error_of(step.line, what);
         self.findings.error(
             "sphere",
-            error.hint("check the coordinates of this block; feed out along the radius to release the bar"),
+            error.hint(
+                "check the coordinates of this block; feed out along the radius to release the bar",
+            ),
         );
     }
 
@@ -324,8 +326,7 @@ impl Walk<'_, '_> {
     fn along(&mut self, step: &Step, motion: &Move) {
         let length_mm = self.sphere.length_mm;
         let [least_mm, most_mm] = self.sphere.distances_mm(motion);
-        let worst_mm =
-            if length_mm - least_mm > most_mm - length_mm { least_mm } else { most_mm };
+        let worst_mm = if length_mm - least_mm > most_mm - length_mm { least_mm } else { most_mm };
         let continues = self.before.filter(|_| !self.gap);
         if !self.sphere.reads(worst_mm) {
             self.leaves(step, worst_mm);
@@ -445,7 +446,8 @@ impl Walk<'_, '_> {
             );
             self.findings.error("engagement", error);
         } else if self.engaged {
-            let error = self.error_of(self.last, "the program ends with the bar engaged".to_owned());
+            let error =
+                self.error_of(self.last, "the program ends with the bar engaged".to_owned());
             self.findings.error(
                 "release",
                 error.hint("feed out along the radius beyond the range of the bar before the end"),

@@ -120,8 +120,10 @@ fn look_ahead(listing: &Listing, controller: &Controller, findings: &mut Finding
         if first.is_some()
             && !listing.lines().any(|(_, text)| begins(text) && words(text) == wanted)
         {
-            let error = listing.whole(format!("no block `{block}`, which the machine file asks for"))
-                .hint("without look-ahead the control slows down at chords; write it around each arc");
+            let error =
+                listing.whole(format!("no block `{block}`, which the machine file asks for")).hint(
+                    "without look-ahead the control slows down at chords; write it around each arc",
+                );
             findings.warning("look-ahead", error);
         }
     }

@@ -36,12 +36,14 @@ pub(super) fn check(
                 }
                 b'P' if dwell && !word.point && word.value > 0.0 && word.value < SHORT_DWELL_MS => {
                     let what = format!("a dwell of {} ms", word.value);
-                    let hint = format!("P counts milliseconds: P{}000 for as many seconds", word.value);
+                    let hint =
+                        format!("P counts milliseconds: P{}000 for as many seconds", word.value);
                     Some(("dwell", false, Fault::word(word, what).hint(hint)))
                 }
                 _ => None,
             };
-            if let Some((rule, error, fault)) = found.filter(|_| controller.dialect == Dialect::Fanuc)
+            if let Some((rule, error, fault)) =
+                found.filter(|_| controller.dialect == Dialect::Fanuc)
             {
                 let error_text = listing.locate(block.line, fault);
                 if error {
@@ -79,8 +81,7 @@ fn point_of_dwell(word: &Word) -> Found {
     if word.point || word.value == 0.0 {
         return None;
     }
-    let what =
-        format!("{} has no decimal point: the control waits {} ms", word.name(), word.value);
+    let what = format!("{} has no decimal point: the control waits {} ms", word.name(), word.value);
     let hint = format!("for seconds write {}.", word.name());
     Some(("decimal-point", true, Fault::word(word, what).hint(hint)))
 }
@@ -115,10 +116,9 @@ fn length(word: &Word, inch: bool, decimals: usize) -> Found {
 /// Blocks that nothing leads to: behind M30, or in a subprogram that nobody calls.
 fn unreached(listing: &Listing, ran: &Ran, findings: &mut Findings) {
     for section in &listing.sections {
-        let never = section
-            .blocks
-            .clone()
-            .find(|index| !ran.reached[*index] && !listing.words(&listing.blocks[*index]).is_empty());
+        let never = section.blocks.clone().find(|index| {
+            !ran.reached[*index] && !listing.words(&listing.blocks[*index]).is_empty()
+        });
         if let Some(index) = never {
             let whole = index == section.blocks.start;
             let what = match section.number {
