@@ -126,8 +126,9 @@ impl Arguments {
         if errors == 0 {
             return Ok(());
         }
-        Err(Error::input(format!("{errors} error(s) in {}", self.program.display()))
-            .hint("correct what the findings name, or write the program anew with `ballbar program`"))
+        Err(Error::input(format!("{errors} error(s) in {}", self.program.display())).hint(
+            "correct what the findings name, or write the program anew with `ballbar program`",
+        ))
     }
 }
 

@@ -288,8 +288,11 @@ impl<'a> Listing<'a> {
                         .hint("N is the first word of a block, and the only one of its kind"));
                 }
                 if word.whole().is_none() {
-                    return Err(Fault::word(&word, format!("{} is not a block number", word.name()))
-                        .hint("block numbers are whole numbers from 1 to 99999"));
+                    return Err(Fault::word(
+                        &word,
+                        format!("{} is not a block number", word.name()),
+                    )
+                    .hint("block numbers are whole numbers from 1 to 99999"));
                 }
                 *numbered = true;
             }

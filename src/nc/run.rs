@@ -148,9 +148,8 @@ impl Runner<'_> {
         let words = self.listing.words(block);
         self.machine.assume(words);
         self.mark(block, None);
-        let function = |word: &Word| {
-            (word.letter == b'M').then(|| Miscellaneous::of(word).ok()).flatten()
-        };
+        let function =
+            |word: &Word| (word.letter == b'M').then(|| Miscellaneous::of(word).ok()).flatten();
         let leaves = |word: &Word| {
             matches!(function(word), Some(Miscellaneous::End | Miscellaneous::Return))
         };
@@ -279,16 +278,11 @@ impl Runner<'_> {
 }
 
 /// The duration of G04, s.
-fn dwell(
-    command: &Command,
-    word: &Word,
-    dialect: Dialect,
-) -> std::result::Result<f64, Fault> {
+fn dwell(command: &Command, word: &Word, dialect: Dialect) -> std::result::Result<f64, Fault> {
     let (times, hint) = match dialect {
-        Dialect::Fanuc => (
-            Letters::of(b"PXU"),
-            "write G04 P2000 or G04 X2.0 for two seconds, alone in a block",
-        ),
+        Dialect::Fanuc => {
+            (Letters::of(b"PXU"), "write G04 P2000 or G04 X2.0 for two seconds, alone in a block")
+        }
         Dialect::LinuxCnc => {
             (Letters::of(b"P"), "write G04 P2.0 for two seconds, alone in a block")
         }

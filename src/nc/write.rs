@@ -1,20 +1,48 @@
-//! Writing a planned path as a Fanuc program.
+//! Writing a planned path as a program of the control.
 
 use askama::Template;
 use nalgebra::Vector3;
 
 use super::{Action, Program};
 use crate::error::{Error, Kind, Result};
-use crate::machine::{Controller, Machine};
+use crate::machine::{Controller, Dialect, Machine};
 use crate::plan::{Path, Step, Test};
+
+/// A program before it is put into the words of a dialect, line by line; `N` numbers include their blank.
+enum Line {
+    Comment(String),
+    /// A point of an arc, without a number.
+    Chord(String),
+    /// A number, and words that every dialect has.
+    Block(String, String),
+    /// Cutting mode: no stop at the end of a block.
+    Cutting(String),
+    /// A dwell, s.
+    Dwell(String, f64),
+    Call(String, u32),
+    End(String),
+    /// A subprogram begins.
+    Subprogram(u32, String),
+    Return(String),
+}
 
 #[derive(Template)]
 #[template(path = "fanuc.nc", escape = "none")]
-struct Fanuc {
-    number: String,
-    title: String,
-    header: Vec<String>,
-    blocks: Vec<String>,
+struct Fanuc<'a> {
+    number: &'a str,
+    title: &'a str,
+    header: &'a [String],
+    lines: &'a [Line],
+}
+
+/// With G64 alone, LinuxCNC would round the corners as far as its acceleration asks for.
+#[derive(Template)]
+#[template(path = "linuxcnc.nc", escape = "none")]
+struct LinuxCnc<'a> {
+    number: &'a str,
+    title: &'a str,
+    header: &'a [String],
+    lines: &'a [Line],
 }
 
 /// The program of a path: header with machine, test and hash of the test file, safe start, G64, the
@@ -23,13 +51,56 @@ struct Fanuc {
 /// Chord blocks carry no N number: there are more of them than numbers. Every axis word has a decimal
 /// point, because without one it counts in least increments. Coordinates are those of the mounting's
 /// work offset, whose zero is the workpiece ball.
+///
+/// A program larger than the control's memory is divided: every arc and every transit becomes a
+/// subprogram behind the main program, in the same file.
+///
+/// # Errors
+/// When a single arc is larger than the memory, or there are no program numbers left for the arcs.
 pub fn write(test: &Test, machine: &Machine, path: &Path) -> Result<String> {
+    let whole = render(test, machine, path, None)?;
+    let Some(memory_bytes) = machine.controller().memory_bytes.filter(|size| *size < whole.len())
+    else {
+        return Ok(whole);
+    };
+    let plan = test.plan()?;
+    // Behind the main programs of all mountings, so that all fit into one control.
+    let legs = path.arcs.len() as u32;
+    let first = plan.program_number + test.mountings().len() as u32 + path.mounting as u32 * legs;
+    if first + legs > LARGEST_NUMBER + 1 {
+        return Err(Error::input(format!(
+            "the {legs} arcs of the program would need the numbers O{first} to O{}",
+            first + legs - 1
+        ))
+        .hint(format!("numbers go to {LARGEST_NUMBER}: choose a smaller `program_number`")));
+    }
+    let divided = render(test, machine, path, Some(first))?;
+    let largest = divided.split("\nO").map(|part| part.len() + 1).max().unwrap_or(0);
+    if largest > memory_bytes {
+        return Err(Error::input(format!(
+            "an arc alone takes {} KB, and the control's memory is {} KB",
+            largest.div_ceil(1024),
+            memory_bytes / 1024
+        ))
+        .hint(
+            "allow more `chord_sag_um`, or run the program from a card and leave `memory_kb` out",
+        ));
+    }
+    Ok(divided)
+}
+
+/// Largest program number that is free for users.
+const LARGEST_NUMBER: u32 = 7999;
+
+fn render(test: &Test, machine: &Machine, path: &Path, subprograms: Option<u32>) -> Result<String> {
     let plan = test.plan()?;
     let mounting = &test.mountings()[path.mounting];
     let bar = test.ball_bar();
     let mut writer = Writer {
         controller: machine.controller(),
-        blocks: Vec::new(),
+        lines: Vec::new(),
+        subprograms: Vec::new(),
+        next: subprograms,
         sequence: 0,
         at: None,
         feed: number(plan.feed_mm_s * 60.0),
@@ -38,43 +109,53 @@ pub fn write(test: &Test, machine: &Machine, path: &Path) -> Result<String> {
     };
     writer.block("G21 G17 G90 G94 G40 G49 G80");
     writer.block(&format!("G{}", mounting.work_offset));
-    writer.block("G64");
-    for step in &path.steps {
-        writer.step(step);
-    }
-    writer.block("M30");
+    let n = writer.n();
+    writer.lines.push(Line::Cutting(n));
+    writer.steps(&path.steps);
+    let n = writer.n();
+    writer.lines.push(Line::End(n));
+    writer.lines.append(&mut writer.subprograms);
     let comment = |text: String| writer.comment(&text);
     let offset = &mounting.mounting.coincidence_mm;
-    let program = Fanuc {
-        number: format!("{:04}", plan.program_number + path.mounting as u32),
-        title: comment(format!(
-            "BALL-BAR {} R{} F{}",
-            plan.strategy_name(),
-            number(bar.length_mm).trim_end_matches('.'),
-            number(plan.feed_mm_s * 60.0).trim_end_matches('.')
+    let number_of = format!("{:04}", plan.program_number + path.mounting as u32);
+    let title = comment(format!(
+        "BALL-BAR {} R{} F{}",
+        plan.strategy_name(),
+        number(bar.length_mm).trim_end_matches('.'),
+        number(plan.feed_mm_s * 60.0).trim_end_matches('.')
+    ));
+    let header = [
+        comment(format!("MACHINE {}", machine.name())),
+        comment(format!("TEST {}", test.name())),
+        comment(format!("SHA256 {}", &test.hash()[..16])),
+        comment(format!(
+            "MOUNTING {} - G{} ZERO IS THE WORKPIECE BALL",
+            mounting.name, mounting.work_offset
         )),
-        header: vec![
-            comment(format!("MACHINE {}", machine.name())),
-            comment(format!("TEST {}", test.name())),
-            comment(format!("SHA256 {}", &test.hash()[..16])),
-            comment(format!(
-                "MOUNTING {} - G{} ZERO IS THE WORKPIECE BALL",
-                mounting.name, mounting.work_offset
-            )),
-            comment(format!(
-                "MACHINE COORDINATES X{:.3} Y{:.3} Z{:.3}",
-                offset.x, offset.y, offset.z
-            )),
-        ],
-        blocks: writer.blocks,
+        comment(format!("MACHINE COORDINATES X{:.3} Y{:.3} Z{:.3}", offset.x, offset.y, offset.z)),
+    ];
+    let (number, title, header, lines) = (&*number_of, &*title, &header[..], &writer.lines[..]);
+    let rendered = match machine.controller().dialect {
+        Dialect::Fanuc => Fanuc { number, title, header, lines }.render(),
+        Dialect::LinuxCnc => LinuxCnc { number, title, header, lines }.render(),
     };
-    let mut text = program.render().map_err(|error| {
+    let mut text = rendered.map_err(|error| {
         Error::new(Kind::Output, format!("the program template cannot be filled: {error}"))
     })?;
     if !text.ends_with('\n') {
         text.push('\n');
     }
     Ok(text)
+}
+
+/// A dwell in whole milliseconds, as a Fanuc counts.
+fn milliseconds(seconds: &f64) -> String {
+    format!("{:.0}", seconds * 1000.0)
+}
+
+/// A dwell in seconds, as LinuxCNC counts.
+fn decimal(seconds: &f64) -> String {
+    format!("{seconds:.3}")
 }
 
 /// A number with a decimal point and no more digits than it needs: `500.`, `333.3`.
@@ -85,7 +166,10 @@ fn number(value: f64) -> String {
 
 struct Writer<'a> {
     controller: &'a Controller,
-    blocks: Vec<String>,
+    lines: Vec<Line>,
+    subprograms: Vec<Line>,
+    /// The number of the next subprogram, if arcs are subprograms.
+    next: Option<u32>,
     sequence: u32,
     /// The words of the last position.
     at: Option<[String; 3]>,
@@ -95,18 +179,63 @@ struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    fn block(&mut self, words: &str) {
+    /// The number of the next block with its blank, or nothing.
+    fn n(&mut self) -> String {
         let step = self.controller.sequence_step;
+        if step == 0 {
+            return String::new();
+        }
         self.sequence += step;
         // N goes to 99999 and begins anew then; the control does not mind.
         if self.sequence > 99_999 {
             self.sequence = step;
         }
-        let block = match step {
-            0 => words.to_owned(),
-            _ => format!("N{} {words}", self.sequence),
-        };
-        self.blocks.push(block);
+        format!("N{} ", self.sequence)
+    }
+
+    fn block(&mut self, words: &str) {
+        let n = self.n();
+        self.lines.push(Line::Block(n, words.to_owned()));
+    }
+
+    /// All steps; an arc from its comment to the end of its look-ahead may go into a subprogram.
+    fn steps(&mut self, steps: &[Step]) {
+        let mut rest = steps;
+        while let Some((step, after)) = rest.split_first() {
+            let arc = match (self.next, rest) {
+                (
+                    Some(number),
+                    [
+                        Step::Comment(name),
+                        on @ Step::LookAhead(_),
+                        chords @ Step::Chords(_),
+                        off @ Step::LookAhead(_),
+                        ..,
+                    ],
+                ) => Some((number, name, [on, chords, off])),
+                _ => None,
+            };
+            let Some((number, name, arc)) = arc else {
+                self.step(step);
+                rest = after;
+                continue;
+            };
+            let n = self.n();
+            self.lines.push(Line::Call(n, number));
+            let main = std::mem::take(&mut self.lines);
+            self.lines.push(Line::Subprogram(number, self.comment(name)));
+            self.feeding = false;
+            for step in arc {
+                self.step(step);
+            }
+            let n = self.n();
+            self.lines.push(Line::Return(n));
+            let mut subprogram = std::mem::replace(&mut self.lines, main);
+            self.subprograms.append(&mut subprogram);
+            self.feeding = false;
+            self.next = Some(number + 1);
+            rest = &rest[4..];
+        }
     }
 
     /// Upper case, and only characters that the machine file allows.
@@ -134,7 +263,7 @@ impl Writer<'_> {
         match step {
             Step::Comment(text) => {
                 let comment = self.comment(text);
-                self.blocks.push(format!("({comment})"));
+                self.lines.push(Line::Comment(comment));
             }
             Step::Rapid(point) => {
                 let words = self.words(point);
@@ -157,12 +286,16 @@ impl Writer<'_> {
                         continue;
                     }
                     let mode = if self.feeding { "" } else { "G01 " };
-                    self.blocks.push(format!("{mode}{}", words.join(" ")));
+                    let [x, y, z] = &words;
+                    self.lines.push(Line::Chord(format!("{mode}{x} {y} {z}")));
                     self.feeding = true;
                     self.at = Some(words);
                 }
             }
-            Step::Dwell(seconds) => self.block(&format!("G04 P{:.0}", seconds * 1000.0)),
+            Step::Dwell(seconds) => {
+                let n = self.n();
+                self.lines.push(Line::Dwell(n, *seconds));
+            }
             Step::Stop(text) => {
                 let comment = self.comment(text);
                 self.block(&format!("M00 ({comment})"));
