@@ -16,6 +16,7 @@ mod output;
 mod paper;
 mod program;
 mod simulate;
+mod time;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -71,6 +72,7 @@ struct Common {
 enum Command {
     Program(program::Arguments),
     Check(check::Arguments),
+    Time(time::Arguments),
     Simulate(simulate::Arguments),
     Align(align::Arguments),
     Identify(identify::Arguments),
@@ -90,6 +92,7 @@ pub fn main() -> ExitCode {
     let done = match &cli.command {
         Command::Program(arguments) => arguments.run(common, &talk),
         Command::Check(arguments) => arguments.run(common, &talk),
+        Command::Time(arguments) => arguments.run(common, &talk),
         Command::Simulate(arguments) => arguments.run(common, &talk),
         Command::Align(arguments) => arguments.run(common, &talk),
         Command::Identify(arguments) => arguments.run(common, &talk),

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
-use super::Common;
 use super::output::{self, Files, Talk};
+use super::{Common, time};
 use crate::error::{Error, Kind, Result};
 use crate::machine::Machine;
 use crate::motion::Trajectory;
@@ -87,17 +87,13 @@ impl Written {
 
     /// What the operator wants to know before he runs it.
     pub(super) fn told(&self) -> String {
-        let time = self.trajectory.duration();
         format!(
-            "  mounting {}: {} moves, read back within {:.5} mm, sag {:.2} um\n  time {} at feed, {} in dwells, {} at rapid, and {} stop(s) for the operator",
+            "  mounting {}: {} moves, read back within {:.5} mm, sag {:.2} um\n  time {}",
             self.mounting,
             self.back.points,
             self.back.worst_mm,
             self.back.sag_mm * 1e3,
-            minutes(time.feed_s),
-            minutes(time.dwell_s),
-            minutes(time.rapid_s),
-            time.stops
+            time::told(&self.trajectory.duration())
         )
     }
 
@@ -115,13 +111,4 @@ impl Written {
             "operator_stops": time.stops,
         })
     }
-}
-
-/// `14 min 50 s`.
-fn minutes(seconds: f64) -> String {
-    let whole = seconds.round();
-    if whole < 60.0 {
-        return format!("{seconds:.1} s");
-    }
-    format!("{} min {} s", (whole / 60.0).floor(), whole % 60.0)
 }

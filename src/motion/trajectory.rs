@@ -2,8 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::Profile;
-use crate::machine::{Axis, Machine};
+use super::limits::{self, Limits};
+use super::{Profile, bell};
+use crate::machine::Machine;
 use crate::nc::{Action, Move, Program};
 
 /// What a block of the trajectory is.
@@ -249,63 +250,55 @@ impl Builder<'_> {
         self.now_s += duration_s;
     }
 
-    /// Cruise speed (mm/s) and acceleration (mm/s²) along a move.
-    fn limits(&self, motion: &Move) -> (f64, f64) {
-        if !motion.rapid {
-            let controller = self.machine.controller();
-            return (motion.feed_mm_s * self.feed_override, controller.path_acceleration_mm_s2);
-        }
-        let along = motion.at(0.0).1;
-        let slowest = |limit: &dyn Fn(Axis) -> f64| {
-            Axis::ALL
-                .into_iter()
-                .filter(|axis| along[axis.index()].abs() > 1e-12)
-                .map(|axis| limit(axis) / along[axis.index()].abs())
-                .fold(f64::INFINITY, f64::min)
-        };
-        (
-            slowest(&|axis| self.machine.slide(axis).rapid_mm_s),
-            slowest(&|axis| self.machine.slide(axis).acceleration_mm_s2),
-        )
-    }
-
-    /// Whether the machine stops between two moves.
-    fn stops_between(&self, before: &Move, after: &Move) -> bool {
-        let cosine = before.at(1.0).1.dot(&after.at(0.0).1).clamp(-1.0, 1.0);
-        before.rapid
-            || after.rapid
-            || before.exact_stop
-            || cosine.acos() > self.machine.controller().corner_stop_rad
-    }
-
     /// Times a stretch of moves that begins and ends at rest.
     fn drive(&mut self, stretch: &mut Vec<(usize, usize, Move)>) {
         let count = stretch.len();
         let lengths: Vec<f64> = stretch.iter().map(|(_, _, motion)| motion.length_mm()).collect();
-        let limits: Vec<(f64, f64)> =
-            stretch.iter().map(|(_, _, motion)| self.limits(motion)).collect();
+        let limits: Vec<Limits> = stretch
+            .iter()
+            .zip(&lengths)
+            .map(|((_, _, motion), length_mm)| {
+                limits::of(self.machine, motion, *length_mm, self.feed_override)
+            })
+            .collect();
         // Squared speed at the beginning of each block, and at the very end.
         let mut squared = vec![0.0_f64; count + 1];
         for k in 1..count {
-            if !self.stops_between(&stretch[k - 1].2, &stretch[k].2) {
-                squared[k] = limits[k - 1].0.min(limits[k].0).powi(2);
-            }
+            let corner = limits::at_corner(self.machine, &stretch[k - 1].2, &stretch[k].2);
+            squared[k] = corner.min(limits[k - 1].speed_mm_s).min(limits[k].speed_mm_s).powi(2);
         }
+        let gain = |k: usize| 2.0 * limits[k].acceleration_mm_s2 * lengths[k];
         for k in 0..count {
-            squared[k + 1] = squared[k + 1].min(squared[k] + 2.0 * limits[k].1 * lengths[k]);
+            squared[k + 1] = squared[k + 1].min(squared[k] + gain(k));
         }
         for k in (0..count).rev() {
-            squared[k] = squared[k].min(squared[k + 1] + 2.0 * limits[k].1 * lengths[k]);
+            squared[k] = squared[k].min(squared[k + 1] + gain(k));
         }
-        for (k, (line, label, motion)) in stretch.drain(..).enumerate() {
-            let (cruise, acceleration) = limits[k];
-            let profile = Profile::fastest(
-                lengths[k],
-                squared[k].sqrt(),
-                squared[k + 1].sqrt(),
-                cruise,
-                acceleration,
-            );
+        let mut profiles: Vec<Profile> = (0..count)
+            .map(|k| {
+                Profile::fastest(
+                    lengths[k],
+                    squared[k].sqrt(),
+                    squared[k + 1].sqrt(),
+                    limits[k].speed_mm_s,
+                    limits[k].acceleration_mm_s2,
+                )
+            })
+            .collect();
+        let change_s = self.machine.controller().acceleration_change_s;
+        if change_s > 0.0 {
+            let mut start = 0;
+            for k in 0..count {
+                if squared[k + 1] == 0.0 {
+                    let range = start..=k;
+                    let filtered =
+                        bell::filtered(&profiles[range.clone()], &lengths[range.clone()], change_s);
+                    profiles.splice(range, filtered);
+                    start = k + 1;
+                }
+            }
+        }
+        for ((line, label, motion), profile) in stretch.drain(..).zip(profiles) {
             let duration_s = profile.duration_s();
             self.blocks.push(Block {
                 kind: if motion.rapid { BlockKind::Rapid } else { BlockKind::Feed },
