@@ -129,6 +129,56 @@ fn rs274_drives_what_was_planned() {
     assert!(worst_mm <= 0.000_5 + 1e-9, "{worst_mm}");
 }
 
+/// A second opinion by other authors: `gcode-toolpath` of npm gives the same length and the same box.
+#[test]
+fn gcode_toolpath_sees_the_same_length_and_box() {
+    let root = FilePath::new(env!("CARGO_MANIFEST_DIR"));
+    let modules = root.join("target/outside/node_modules");
+    if !rs274::installed("node") || !rs274::present("gcode-toolpath", &modules) {
+        return;
+    }
+    let directory = tempfile::tempdir().unwrap();
+    for strategy in ["2d", "3d5", "3d6", "3d10"] {
+        for spoken in ["fanuc", "linuxcnc"] {
+            let machine = dialect("hu40t.toml", 3, spoken, None);
+            let test = test("[0.0, 0.0, 0.0]", &format!("strategy = \"{strategy}\""));
+            let (program, _, text) = written_and_read(&machine, &test);
+            let file = directory.path().join("program.nc");
+            std::fs::write(&file, text).unwrap();
+            let output = std::process::Command::new("node")
+                .arg(root.join("tests/programs/toolpath.js"))
+                .arg(&file)
+                .env("NODE_PATH", &modules)
+                .output()
+                .unwrap();
+            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+            let seen: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+            let moves: Vec<_> = program
+                .steps
+                .iter()
+                .filter_map(|step| match step.action {
+                    nc::Action::Move(motion) => Some(motion),
+                    nc::Action::Dwell { .. } | nc::Action::Stop | nc::Action::End => None,
+                })
+                .collect();
+            let length_mm: f64 = moves.iter().map(nc::Move::length_mm).sum();
+            let seen_mm = seen["length"].as_f64().unwrap();
+            println!("{strategy} {spoken}: {length_mm:.6} mm, gcode-toolpath {seen_mm:.6} mm");
+            assert_eq!(seen["moves"].as_u64().unwrap() as usize, moves.len() + 1);
+            assert!((seen_mm - length_mm).abs() < 1e-6, "{seen_mm} and {length_mm}");
+            let start_mm = moves[0].start_mm;
+            for axis in 0..3 {
+                let at = moves.iter().map(|motion| motion.end_mm[axis]);
+                let (low, high) = at.fold((start_mm[axis], start_mm[axis]), |(low, high), at| {
+                    (low.min(at), high.max(at))
+                });
+                assert!((seen["low"][axis].as_f64().unwrap() - low).abs() < 1e-9);
+                assert!((seen["high"][axis].as_f64().unwrap() - high).abs() < 1e-9);
+            }
+        }
+    }
+}
+
 /// A control that takes subprograms one by one must have room for each.
 #[test]
 fn a_program_larger_than_the_memory_is_divided_by_arcs() {

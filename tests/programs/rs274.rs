@@ -17,7 +17,17 @@ pub(crate) struct Canon {
 /// Whether an outside tool can be run. In CI it must be.
 pub(crate) fn installed(tool: &str) -> bool {
     let found = Command::new("sh").args(["-c", &format!("command -v {tool}")]).output();
-    if found.is_ok_and(|output| output.status.success()) {
+    found_or_skipped(found.is_ok_and(|output| output.status.success()), tool)
+}
+
+/// Whether an outside package lies in a directory.
+#[allow(dead_code)]
+pub(crate) fn present(package: &str, directory: &std::path::Path) -> bool {
+    found_or_skipped(directory.join(package).is_dir(), package)
+}
+
+fn found_or_skipped(found: bool, tool: &str) -> bool {
+    if found {
         return true;
     }
     assert!(
