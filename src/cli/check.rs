@@ -6,11 +6,13 @@ use clap::Args;
 use serde_json::json;
 
 use super::Common;
-use super::output::{self, Talk};
+use super::output::{self, Files, Talk};
 use crate::error::{Error, Result};
 use crate::machine::Machine;
-use crate::nc::{self, Finding, Reading, Severity, Sphere};
+use crate::motion::Trajectory;
+use crate::nc::{self, Finding, Program, Reading, Severity, Sphere};
 use crate::plan::Test;
+use crate::report;
 
 /// Check a program, also one that was edited
 ///
@@ -19,7 +21,7 @@ use crate::plan::Test;
 #[derive(Args)]
 #[command(after_help = "Examples:
   ballbar check O1001.nc --machine machine.toml
-  ballbar check O1001.nc --test test.toml --mounting A
+  ballbar check O1001.nc --test test.toml --mounting A --plot
   ballbar check O1001.nc --test test.toml --json | jq '.findings[] | select(.severity == \"error\")'")]
 pub(super) struct Arguments {
     /// The program, gzipped or not
@@ -27,6 +29,9 @@ pub(super) struct Arguments {
     program: PathBuf,
     #[command(flatten)]
     on: On,
+    /// Write a picture of the path on the sphere and of the speed; needs --test
+    #[arg(long, requires = "test")]
+    plot: bool,
 }
 
 /// The machine that a program runs on, and the test that it belongs to.
@@ -103,6 +108,9 @@ impl Arguments {
         let around = self.on.read(&text, talk)?;
         let Around { machine, reading, sphere } = &around;
         let checked = nc::check(&text, &self.program, machine, reading, sphere.as_ref())?;
+        let plot = sphere.as_ref().filter(|_| self.plot);
+        let picture = plot.map(|sphere| self.picture(common, &checked.program, machine, sphere));
+        let picture = picture.transpose()?;
         let (errors, warnings) = (checked.count(Severity::Error), checked.count(Severity::Warning));
         if common.json {
             let value = json!({
@@ -120,6 +128,9 @@ impl Arguments {
             }
         }
         talk.say(&format!("{} blocks, {errors} error(s), {warnings} warning(s)", checked.blocks));
+        if let Some(picture) = picture {
+            talk.say(&format!("wrote {}", picture.display()));
+        }
         if sphere.is_none() {
             talk.say("without --test: bar, sphere and work offset were not checked");
         }
@@ -129,6 +140,28 @@ impl Arguments {
         Err(Error::input(format!("{errors} error(s) in {}", self.program.display())).hint(
             "correct what the findings name, or write the program anew with `ballbar program`",
         ))
+    }
+}
+
+impl Arguments {
+    /// Draws what could be followed, also of a program with errors: it may show them.
+    fn picture(
+        &self,
+        common: &Common,
+        program: &Program,
+        machine: &Machine,
+        sphere: &Sphere,
+    ) -> Result<PathBuf> {
+        let name =
+            self.program.file_name().map_or_else(String::new, |n| n.to_string_lossy().into());
+        let stem = name.trim_end_matches(".gz");
+        let stem = stem.rsplit_once('.').map_or(stem, |(stem, _)| stem);
+        let file = common.output.join(format!("{stem}-path.html"));
+        let trajectory = Trajectory::new(program, machine, 1.0);
+        let mut files = Files::default();
+        files.add(file.clone(), report::path_page(&name, &trajectory, sphere)?);
+        files.write()?;
+        Ok(file)
     }
 }
 

@@ -17,6 +17,7 @@ pub mod html;
 mod machine_errors;
 mod numbers;
 mod paper;
+mod path_plot;
 mod samples;
 mod svg;
 mod svg_chart;
@@ -33,5 +34,6 @@ pub use analysis::{
 };
 pub use machine_errors::{Hysteresis, MachineErrors, Reversal, Scale, Squareness};
 pub use paper::{nearest_text, paper_json, paper_page, paper_text};
+pub use path_plot::path_page;
 pub use samples::{write_aligned, write_samples};
 pub use terminal::{runs_table, summary};
