@@ -14,7 +14,7 @@ O{{ number }} ({{ title }})
 {%- when Line::Cutting with (n) %}
 {{ n }}G64 P0.01
 {%- when Line::Dwell with (n, seconds) %}
-{{ n }}G04 P{{ self::decimal(seconds) }}
+{{ n }}G04 P{{ seconds.decimal() }}
 {%- when Line::Call with (n, program) %}
 {{ n }}M98 P{{ program }}
 {%- when Line::End with (n) %}

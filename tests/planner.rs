@@ -71,8 +71,8 @@ fn meridian(machine: &Machine) -> String {
     let path = plan::Path::plan(&test, machine, 0).unwrap();
     let text = nc::write(&test, machine, &path).unwrap();
     let first = text.find("(APPROACH)").unwrap();
-    let end = text.find("N160 M30").or(text.rfind("M30")).unwrap();
-    text[first..text[..end].rfind('\n').unwrap() + 1].to_owned()
+    let end = text[..text.rfind("M30").unwrap()].rfind('\n').unwrap();
+    text[first..=end].to_owned()
 }
 
 fn runs(machine: &Machine) -> Vec<Run> {

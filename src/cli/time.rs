@@ -72,7 +72,7 @@ fn by_comment(trajectory: &Trajectory) -> Vec<serde_json::Value> {
     for block in trajectory.blocks().iter().filter(|block| block.kind != BlockKind::Stop) {
         match parts.last_mut() {
             Some((label, _, duration_s)) if *label == block.label => {
-                *duration_s += block.duration_s
+                *duration_s += block.duration_s;
             }
             _ => parts.push((block.label, trajectory.label(block), block.duration_s)),
         }

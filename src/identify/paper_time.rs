@@ -1,5 +1,7 @@
 //! How long the paper's test takes here, and what would make it as long as the paper says.
 
+use std::fmt::Write as _;
+
 use crate::error::{Error, Result};
 use crate::machine::Machine;
 use crate::motion::{BlockKind, Trajectory};
@@ -59,8 +61,9 @@ impl PaperTime {
 pub(super) fn times(machine: &Machine) -> Result<Vec<PaperTime>> {
     let mut circles = String::from("[[plan.arc]]\nkind = \"equator\"\n");
     for azimuth in [0, 36, 72, 108, 144] {
-        circles += &format!(
-            "[[plan.arc]]\nkind = \"meridian\"\nazimuth_deg = {azimuth}.0\nsweep_deg = 360.0\n"
+        let _ = writeln!(
+            circles,
+            "[[plan.arc]]\nkind = \"meridian\"\nazimuth_deg = {azimuth}.0\nsweep_deg = 360.0"
         );
     }
     Ok(vec![

@@ -17,13 +17,27 @@ enum Line {
     Block(String, String),
     /// Cutting mode: no stop at the end of a block.
     Cutting(String),
-    /// A dwell, s.
-    Dwell(String, f64),
+    Dwell(String, Seconds),
     Call(String, u32),
     End(String),
     /// A subprogram begins.
     Subprogram(u32, String),
     Return(String),
+}
+
+/// How long a dwell lasts, s.
+struct Seconds(f64);
+
+impl Seconds {
+    /// In whole milliseconds, as a Fanuc counts.
+    fn milliseconds(&self) -> String {
+        format!("{:.0}", self.0 * 1000.0)
+    }
+
+    /// In seconds, as LinuxCNC counts.
+    fn decimal(&self) -> String {
+        format!("{:.3}", self.0)
+    }
 }
 
 #[derive(Template)]
@@ -148,16 +162,6 @@ fn render(test: &Test, machine: &Machine, path: &Path, subprograms: Option<u32>)
     Ok(text)
 }
 
-/// A dwell in whole milliseconds, as a Fanuc counts.
-fn milliseconds(seconds: &f64) -> String {
-    format!("{:.0}", seconds * 1000.0)
-}
-
-/// A dwell in seconds, as LinuxCNC counts.
-fn decimal(seconds: &f64) -> String {
-    format!("{seconds:.3}")
-}
-
 /// A number with a decimal point and no more digits than it needs: `500.`, `333.3`.
 fn number(value: f64) -> String {
     let text = format!("{value:.3}");
@@ -171,8 +175,8 @@ struct Writer<'a> {
     /// The number of the next subprogram, if arcs are subprograms.
     next: Option<u32>,
     sequence: u32,
-    /// The words of the last position.
-    at: Option<[String; 3]>,
+    /// The last position, in units of the last decimal.
+    at: Option<[i64; 3]>,
     feed: String,
     feeding: bool,
     feed_written: bool,
@@ -249,14 +253,35 @@ impl Writer<'_> {
             .collect()
     }
 
-    /// The three axis words of a point, rounded, never a negative zero.
-    fn words(&self, point: &Vector3<f64>) -> [String; 3] {
-        let decimals = self.controller.decimals;
-        [('X', point.x), ('Y', point.y), ('Z', point.z)].map(|(letter, value)| {
-            let text = format!("{value:.decimals$}");
-            let zero = text.trim_start_matches('-').chars().all(|c| c == '0' || c == '.');
-            format!("{letter}{}", if zero { text.trim_start_matches('-') } else { &text })
-        })
+    /// A point in units of the last decimal.
+    fn rounded(&self, point: &Vector3<f64>) -> [i64; 3] {
+        let unit = 10_f64.powi(self.controller.decimals as i32);
+        [point.x, point.y, point.z].map(|value| (value * unit).round() as i64)
+    }
+
+    /// The three axis words of a rounded point behind what is there; zero has no sign.
+    fn words(&self, mut text: String, rounded: &[i64; 3]) -> String {
+        text.reserve(40);
+        for (letter, value) in ["X", " Y", " Z"].into_iter().zip(*rounded) {
+            text.push_str(letter);
+            if value < 0 {
+                text.push('-');
+            }
+            // Digits from the last; formatting by the library makes the whole seven times slower.
+            let mut digits = [b'0'; 24];
+            let (mut left, mut at) = (value.unsigned_abs(), digits.len());
+            while at > digits.len() - self.controller.decimals - 2 || left > 0 {
+                at -= 1;
+                if digits.len() - at == self.controller.decimals + 1 {
+                    digits[at] = b'.';
+                } else {
+                    digits[at] = b'0' + (left % 10) as u8;
+                    left /= 10;
+                }
+            }
+            text.extend(digits[at..].iter().map(|digit| char::from(*digit)));
+        }
+        text
     }
 
     fn step(&mut self, step: &Step) {
@@ -266,35 +291,38 @@ impl Writer<'_> {
                 self.lines.push(Line::Comment(comment));
             }
             Step::Rapid(point) => {
-                let words = self.words(point);
-                self.block(&format!("G00 {}", words.join(" ")));
-                self.at = Some(words);
+                let rounded = self.rounded(point);
+                self.block(&self.words("G00 ".to_owned(), &rounded));
+                self.at = Some(rounded);
                 self.feeding = false;
             }
             Step::Feed(point) => {
-                let words = self.words(point);
-                let feed =
-                    if self.feed_written { String::new() } else { format!(" F{}", self.feed) };
-                self.block(&format!("G01 {}{feed}", words.join(" ")));
-                (self.at, self.feeding, self.feed_written) = (Some(words), true, true);
+                let rounded = self.rounded(point);
+                let mut words = self.words("G01 ".to_owned(), &rounded);
+                if !self.feed_written {
+                    words += " F";
+                    words += &self.feed;
+                }
+                self.block(&words);
+                (self.at, self.feeding, self.feed_written) = (Some(rounded), true, true);
             }
             Step::Chords(points) => {
                 for point in points {
-                    let words = self.words(point);
+                    let rounded = self.rounded(point);
                     // Points that rounding makes one are one.
-                    if self.at.as_ref() == Some(&words) {
+                    if self.at == Some(rounded) {
                         continue;
                     }
                     let mode = if self.feeding { "" } else { "G01 " };
-                    let [x, y, z] = &words;
-                    self.lines.push(Line::Chord(format!("{mode}{x} {y} {z}")));
+                    let words = self.words(mode.to_owned(), &rounded);
+                    self.lines.push(Line::Chord(words));
                     self.feeding = true;
-                    self.at = Some(words);
+                    self.at = Some(rounded);
                 }
             }
             Step::Dwell(seconds) => {
                 let n = self.n();
-                self.lines.push(Line::Dwell(n, *seconds));
+                self.lines.push(Line::Dwell(n, Seconds(*seconds)));
             }
             Step::Stop(text) => {
                 let comment = self.comment(text);

@@ -33,6 +33,9 @@ struct Leg {
     points: Vec<Vector3<f64>>,
 }
 
+/// How a unit vector is seen: right, up, and towards the eye.
+type Seen = dyn Fn(&Vector3<f64>) -> (f64, f64, f64);
+
 #[derive(Template)]
 #[template(path = "path.html")]
 struct Page<'a> {
@@ -56,7 +59,7 @@ pub fn path_page(title: &str, trajectory: &Trajectory, sphere: &Sphere) -> Resul
     let above = |v: &Vector3<f64>| (v.x, v.y, v.z);
     // From azimuth -60 degrees, 30 degrees above the equator.
     let (sine, cosine) = (-60_f64).to_radians().sin_cos();
-    let oblique = |v: &Vector3<f64>| {
+    let oblique = move |v: &Vector3<f64>| {
         let (right, depth) = (v.y * cosine - v.x * sine, v.x * cosine + v.y * sine);
         (right, v.z * 0.75_f64.sqrt() - depth * 0.5, depth * 0.75_f64.sqrt() + v.z * 0.5)
     };
@@ -144,13 +147,8 @@ fn leg(
     }
 }
 
-/// One view; `seen` gives right, up and towards the eye.
-fn view(
-    legs: &[Leg],
-    radial: &[Vec<Vector3<f64>>],
-    seen: &dyn Fn(&Vector3<f64>) -> (f64, f64, f64),
-    told: &str,
-) -> String {
+/// One view.
+fn view(legs: &[Leg], radial: &[Vec<Vector3<f64>>], seen: &Seen, told: &str) -> String {
     let mut drawing = Drawing::new(VIEW, VIEW);
     let centre = VIEW / 2.0;
     drawing.circle((centre, centre), RADIUS, "globe");

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use crate::error::{Error, Result};
+use crate::error::Error;
 
 /// How bad a finding is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,12 +66,6 @@ impl Findings {
 
     pub(super) fn warning(&mut self, rule: &'static str, error: Error) {
         self.add(Severity::Warning, rule, error);
-    }
-
-    /// What the reader cannot follow; it goes on.
-    pub(super) fn reading(&mut self, error: Error) -> Result<()> {
-        self.error("reading", error);
-        Ok(())
     }
 
     fn add(&mut self, severity: Severity, rule: &'static str, error: Error) {

@@ -89,8 +89,13 @@ pub fn check(
         }
     }
     let mut findings = Findings::default();
-    let listing = Listing::new(source, file, &reading, &mut |error| findings.reading(error))?;
-    let ran = run::run(&listing, &reading, run::MOST_BLOCKS, &mut |error| findings.reading(error))?;
+    // What the reader cannot follow is kept, and it goes on.
+    let mut keep = |error| {
+        findings.error("reading", error);
+        Ok(())
+    };
+    let listing = Listing::new(source, file, &reading, &mut keep)?;
+    let ran = run::run(&listing, &reading, run::MOST_BLOCKS, &mut keep)?;
     let controller = machine.controller();
     text::check(&listing, controller, &mut findings);
     words::check(&listing, &ran, controller, &mut findings);

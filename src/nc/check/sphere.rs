@@ -98,8 +98,7 @@ pub(super) fn check(
         machine,
         sphere,
         findings,
-        engaged: false,
-        ever: false,
+        bar: Bar::Never,
         stopped: false,
         moved: [false; 3],
         before: None,
@@ -117,14 +116,20 @@ pub(super) fn check(
     walk.end();
 }
 
+/// What became of the bar so far.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Bar {
+    Never,
+    Engaged,
+    Released,
+}
+
 struct Walk<'a, 'b> {
     listing: &'a Listing<'b>,
     machine: &'a Machine,
     sphere: &'a Sphere,
     findings: &'a mut Findings,
-    engaged: bool,
-    /// The bar was engaged once.
-    ever: bool,
+    bar: Bar,
     /// The operator could fit the bar.
     stopped: bool,
     moved: [bool; 3],
@@ -203,7 +208,9 @@ impl Walk<'_, '_> {
                 error.hint("a Fanuc positions in a straight line only if a parameter says so (LRP): go in two blocks"),
             );
         }
-        self.engaged = false;
+        if self.bar == Bar::Engaged {
+            self.bar = Bar::Released;
+        }
         self.before = None;
     }
 
@@ -237,7 +244,7 @@ impl Walk<'_, '_> {
         let start_mm = self.sphere.distance_mm(&motion.start_mm);
         let end_mm = self.sphere.distance_mm(&motion.end_mm);
         let inside = self.sphere.reads(end_mm);
-        if !self.engaged {
+        if self.bar != Bar::Engaged {
             if inside {
                 self.engage(step, motion, start_mm);
             }
@@ -247,7 +254,7 @@ impl Walk<'_, '_> {
         if inside {
             self.along(step, motion);
         } else if end_mm > self.sphere.length_mm && self.radial(motion) {
-            self.engaged = false;
+            self.bar = Bar::Released;
             self.before = None;
         } else {
             self.leaves(step, end_mm);
@@ -263,8 +270,7 @@ impl Walk<'_, '_> {
     }
 
     fn engage(&mut self, step: &Step, motion: &Move, start_mm: f64) {
-        self.engaged = true;
-        let first = !std::mem::replace(&mut self.ever, true);
+        let first = std::mem::replace(&mut self.bar, Bar::Engaged) == Bar::Never;
         if self.gap {
             return;
         }
@@ -440,12 +446,12 @@ impl Walk<'_, '_> {
     }
 
     fn end(&mut self) {
-        if !self.ever {
+        if self.bar == Bar::Never {
             let error = self.listing.whole("the bar never engages").hint(
                 "no feed move ends on the sphere: check the work offset, the mounting and the length of the bar",
             );
             self.findings.error("engagement", error);
-        } else if self.engaged {
+        } else if self.bar == Bar::Engaged {
             let error =
                 self.error_of(self.last, "the program ends with the bar engaged".to_owned());
             self.findings.error(

@@ -24,9 +24,10 @@ pub(super) fn check(
     let mut inch = false;
     for block in &listing.blocks {
         let words = listing.words(block);
-        let g = |code: f64| words.iter().any(|word| word.letter == b'G' && word.value == code);
-        inch = (inch || g(20.0)) && !g(21.0);
-        let dwell = g(4.0);
+        let g =
+            |code: u32| words.iter().any(|word| word.letter == b'G' && word.whole() == Some(code));
+        inch = (inch || g(20)) && !g(21);
+        let dwell = g(4);
         for word in words {
             let found = match word.letter {
                 b'X' | b'U' if dwell => point_of_dwell(word),
@@ -95,7 +96,12 @@ fn length(word: &Word, inch: bool, decimals: usize) -> Found {
             "{} has no decimal point: the control reads {length:.places$} {unit}",
             word.name()
         );
-        let hint = format!("write {}. for {} {unit}", word.name(), word.value);
+        let letter = char::from(word.letter);
+        let hint = format!(
+            "write {letter}{length:.places$} for that, or {}. for {} {unit}",
+            word.name(),
+            word.value
+        );
         return Some(("decimal-point", true, Fault::word(word, what).hint(hint)));
     }
     if word.value.abs() > LARGEST_MM {
