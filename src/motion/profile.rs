@@ -49,10 +49,18 @@ fn bisect(duration_s: f64, holds: impl Fn(f64) -> bool) -> f64 {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile(Shape);
 
+/// Every sample of an alignment asks a trapezoid for its place some ten times, so it is kept small.
 #[derive(Debug, Clone, PartialEq)]
 enum Shape {
     /// Accelerate, cruise, decelerate.
-    Trapezoid([Phase; 3]),
+    Trapezoid {
+        start_mm_s: f64,
+        cruise_mm_s: f64,
+        acceleration_mm_s2: f64,
+        accelerate_s: f64,
+        cruise_s: f64,
+        decelerate_s: f64,
+    },
     /// Whatever filtering has made of it.
     Filtered(Box<[Phase]>),
 }
@@ -73,33 +81,54 @@ impl Profile {
         let peak = (a * length_mm + 0.5 * (v0 * v0 + v1 * v1)).sqrt();
         let cruise = peak.min(cruise_mm_s).max(v0).max(v1);
         let ramps_mm = (2.0 * cruise * cruise - v0 * v0 - v1 * v1) / (2.0 * a);
-        let phase = |duration_s, speed_mm_s, acceleration_mm_s2| Phase {
-            duration_s,
-            speed_mm_s,
-            acceleration_mm_s2,
-            jerk_mm_s3: 0.0,
-        };
-        Self(Shape::Trapezoid([
-            phase((cruise - v0) / a, v0, a),
-            phase(((length_mm - ramps_mm) / cruise).max(0.0), cruise, 0.0),
-            phase((cruise - v1) / a, cruise, -a),
-        ]))
+        Self(Shape::Trapezoid {
+            start_mm_s: v0,
+            cruise_mm_s: cruise,
+            acceleration_mm_s2: a,
+            accelerate_s: (cruise - v0) / a,
+            cruise_s: ((length_mm - ramps_mm) / cruise).max(0.0),
+            decelerate_s: (cruise - v1) / a,
+        })
     }
 
     pub(super) fn of_phases(phases: Vec<Phase>) -> Self {
         Self(Shape::Filtered(phases.into_boxed_slice()))
     }
 
-    pub(super) fn phases(&self) -> &[Phase] {
+    /// The stretches of constant jerk that it is made of.
+    pub(super) fn phases(&self) -> Vec<Phase> {
         match &self.0 {
-            Shape::Trapezoid(phases) => phases,
-            Shape::Filtered(phases) => phases,
+            Shape::Filtered(phases) => phases.to_vec(),
+            Shape::Trapezoid {
+                start_mm_s,
+                cruise_mm_s,
+                acceleration_mm_s2,
+                accelerate_s,
+                cruise_s,
+                decelerate_s,
+            } => [
+                (*accelerate_s, *start_mm_s, *acceleration_mm_s2),
+                (*cruise_s, *cruise_mm_s, 0.0),
+                (*decelerate_s, *cruise_mm_s, -acceleration_mm_s2),
+            ]
+            .map(|(duration_s, speed_mm_s, acceleration_mm_s2)| Phase {
+                duration_s,
+                speed_mm_s,
+                acceleration_mm_s2,
+                jerk_mm_s3: 0.0,
+            })
+            .to_vec(),
         }
     }
 
     /// How long the block takes, s.
     pub fn duration_s(&self) -> f64 {
-        self.phases().iter().map(|phase| phase.duration_s).sum()
+        match &self.0 {
+            Shape::Trapezoid { accelerate_s, cruise_s, decelerate_s, .. } => {
+                accelerate_s + cruise_s + decelerate_s
+            }
+            Shape::Filtered(phases) => phases.iter().map(|phase| phase.duration_s).sum(),
+        }
     }
 
     /// When a distance along the block is reached, s.
@@ -109,20 +138,42 @@ impl Profile {
 
     /// Distance (mm) and speed (mm/s) along the block after `t_s`.
     pub fn at(&self, t_s: f64) -> (f64, f64) {
-        let mut left = t_s.max(0.0);
-        let mut distance = 0.0;
-        let mut speed = 0.0;
-        for phase in self.phases() {
-            let within = left.min(phase.duration_s);
-            let (travelled, now) = phase.at(within);
-            distance += travelled;
-            speed = now;
-            if left < phase.duration_s {
-                break;
+        let t = t_s.clamp(0.0, self.duration_s());
+        match &self.0 {
+            Shape::Trapezoid {
+                start_mm_s: v0,
+                cruise_mm_s: vc,
+                acceleration_mm_s2: a,
+                accelerate_s,
+                cruise_s,
+                ..
+            } => {
+                if t < *accelerate_s {
+                    return (v0 * t + 0.5 * a * t * t, v0 + a * t);
+                }
+                let accelerated = 0.5 * (v0 + vc) * accelerate_s;
+                if t < accelerate_s + cruise_s {
+                    return (accelerated + vc * (t - accelerate_s), *vc);
+                }
+                let braking = t - accelerate_s - cruise_s;
+                let distance =
+                    accelerated + vc * cruise_s + vc * braking - 0.5 * a * braking * braking;
+                (distance, vc - a * braking)
             }
-            left -= phase.duration_s;
+            Shape::Filtered(phases) => {
+                let (mut left, mut distance, mut speed) = (t, 0.0, 0.0);
+                for phase in phases {
+                    let (travelled, now) = phase.at(left.min(phase.duration_s));
+                    distance += travelled;
+                    speed = now;
+                    if left < phase.duration_s {
+                        break;
+                    }
+                    left -= phase.duration_s;
+                }
+                (distance, speed)
+            }
         }
-        (distance, speed)
     }
 }
 
