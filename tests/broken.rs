@@ -315,6 +315,59 @@ fn every_kind_of_broken_program_is_found_in_the_right_block() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
 }
 
+/// Rules that need a key of the machine file.
+#[test]
+fn keys_of_the_machine_file_have_rules() {
+    let source = std::fs::read_to_string(machine().file()).unwrap();
+    for (from, to, rule, line, told) in [
+        ("decimals = 3", "decimals = 3\nblock_time_ms = 100.0", "block-rate", 16, "lasts 78.48 ms"),
+        ("decimals = 3", "decimals = 3\nmemory_kb = 0.5", "memory", 0, "program O1001 has 0.9 KB"),
+        (
+            "look_ahead_on = \"\"",
+            "look_ahead_on = \"G05.1 Q1\"",
+            "look-ahead",
+            0,
+            "no block `G05.1 Q1`",
+        ),
+        ("pivot", "max_feed_mm_min = 100.0\npivot", "feed", 9, "axis X would feed at 474 mm/min"),
+        ("decimals = 3", "decimals = 2", "decimals", 16, "X149.999 has more than 2 decimals"),
+    ] {
+        let changed = source.replacen(from, to, 1);
+        assert!(changed != source, "{from}");
+        let machine = Machine::parse(&changed, "m.toml".as_ref()).unwrap();
+        let findings = checked(BASE, &machine, &sphere()).findings;
+        let found = findings.iter().any(|finding| {
+            let place = finding.error.place.as_ref().unwrap();
+            finding.rule == rule && place.line == line && finding.error.what.contains(told)
+        });
+        assert!(found, "{to}: {findings:?}");
+    }
+}
+
+/// What a Fanuc trips over and LinuxCNC means otherwise.
+#[test]
+fn the_dialect_decides_what_is_wrong() {
+    let source = std::fs::read_to_string(machine().file()).unwrap();
+    let source = source.replace("\"fanuc\"", "\"linuxcnc\"");
+    let machine = Machine::parse(&source, "m.toml".as_ref()).unwrap();
+    let spoken = rs274::translated(BASE).replace("G64", "G64 P0.01");
+    assert_eq!(checked(&spoken, &machine, &sphere()).findings, []);
+    let lenient = spoken
+        .replacen("X150.000 Y0.000", "x150 y0", 1)
+        .replacen("(RELEASE)", "; out, schön langsam", 1)
+        .replacen("N100", "N0", 1);
+    assert_eq!(checked(&lenient, &machine, &sphere()).findings, []);
+    for (from, to, told) in [
+        ("G04 P3.000", "G04 X3.0", "X3 has no meaning in this block"),
+        ("G01 X149.999", "G09 G01 X149.999", "G09 is not known"),
+        ("(ARC 1 FORWARD)", "G05.1 Q1", "G05.1 is not known"),
+    ] {
+        let findings = checked(&spoken.replacen(from, to, 1), &machine, &sphere()).findings;
+        let found = findings.iter().any(|finding| finding.error.what.contains(told));
+        assert!(found, "{to}: {findings:?}");
+    }
+}
+
 /// What stands alone in a program must not be told twice, or as something else.
 #[test]
 fn one_mistake_makes_few_findings() {

@@ -96,8 +96,9 @@ fn a_corner_is_taken_so_fast_that_no_axis_jumps_by_more_than_its_step() {
 
 #[test]
 fn short_blocks_last_the_block_time() {
-    let blocks: String =
-        (1..=100).map(|k| format!("G01 X{:.1} F1200.\n", f64::from(k) * 0.1)).collect();
+    let blocks: Vec<String> =
+        (1..=100).map(|k| format!("G01 X{:.1} F1200.", f64::from(k) * 0.1)).collect();
+    let blocks = blocks.join("\n");
     let quick = driven(&machine("", ""), &blocks);
     assert_near(fastest_mm_s(&quick), 20.0);
     let slow = driven(&machine("", "block_time_ms = 20.0"), &blocks);

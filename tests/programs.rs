@@ -208,7 +208,7 @@ fn a_program_larger_than_the_memory_is_divided_by_arcs() {
     assert_eq!(checked.findings, []);
     let checked = nc::check(&text, "O.nc".as_ref(), &small, &reading, Some(&sphere)).unwrap();
     assert_eq!(checked.findings.len(), 1);
-    assert!(checked.findings[0].error.what.contains("the control's memory 60 KB"));
+    assert!(checked.findings[0].error.what.contains("the control's memory 60.0 KB"));
 }
 
 #[test]

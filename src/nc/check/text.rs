@@ -91,10 +91,11 @@ fn size(listing: &Listing, controller: &Controller, findings: &mut Findings) {
         let bytes = listing.bytes_of(section);
         if bytes > memory_bytes {
             let name = section.number.map_or("the program".to_owned(), |n| format!("program O{n}"));
+            let kb = |bytes: usize| bytes as f64 / 1024.0;
             let what = format!(
-                "{name} has {} KB, the control's memory {} KB",
-                bytes.div_ceil(1024),
-                memory_bytes / 1024
+                "{name} has {:.1} KB, the control's memory {:.1} KB",
+                kb(bytes),
+                kb(memory_bytes)
             );
             let error = listing.whole(what).hint(
                 "`ballbar program` divides into subprograms what is larger than `memory_kb`; a larger \
