@@ -321,7 +321,7 @@ fn keys_of_the_machine_file_have_rules() {
     let source = std::fs::read_to_string(machine().file()).unwrap();
     for (from, to, rule, line, told) in [
         ("decimals = 3", "decimals = 3\nblock_time_ms = 100.0", "block-rate", 16, "lasts 78.48 ms"),
-        ("decimals = 3", "decimals = 3\nmemory_kb = 0.5", "memory", 0, "program O1001 has 0.9 KB"),
+        ("decimals = 3", "decimals = 3\nmemory_kb = 0.5", "memory", 0, "program O1001 has 0.7 KB"),
         (
             "look_ahead_on = \"\"",
             "look_ahead_on = \"G05.1 Q1\"",

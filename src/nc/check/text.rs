@@ -50,6 +50,11 @@ pub(super) fn check(listing: &Listing, controller: &Controller, findings: &mut F
         if fanuc && !text.as_bytes().iter().all(plain) {
             characters(listing, line, text, controller, findings);
         }
+        if !fanuc && let Some(at) = text.find(char::REPLACEMENT_CHARACTER) {
+            let fault = Fault::span(at..at + 3, "a byte that is no character")
+                .hint("save the program as ASCII or UTF-8");
+            findings.error("characters", listing.locate(line, fault));
+        }
     }
 }
 
