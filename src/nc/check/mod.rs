@@ -18,6 +18,7 @@
 //! **Not checked:** collisions with anything but the bar, compensation that is switched on in the
 //! control, what the operator does at a stop.
 
+mod bar;
 mod findings;
 mod path;
 mod sphere;
@@ -101,7 +102,7 @@ pub fn check(
     words::check(&listing, &ran, controller, &mut findings);
     path::check(&listing, &ran, machine, sphere.is_some(), &mut findings);
     if let Some(sphere) = sphere {
-        sphere::check(&listing, &ran, machine, sphere, &mut findings);
+        bar::check(&listing, &ran, machine, sphere, &mut findings);
     }
     Ok(Checked {
         findings: findings.sorted(),
