@@ -92,7 +92,7 @@ fn keys_of_the_machine_file_have_rules() {
             0,
             "no block `G05.1 Q1`",
         ),
-        ("pivot", "max_feed_mm_min = 100.0\npivot", "feed", 9, "axis X would feed at 474 mm/min"),
+        ("pivot", "max_feed_mm_min = 100.0\npivot", "feed", 9, "axis X would feed at 471 mm/min"),
         ("decimals = 3", "decimals = 2", "decimals", 16, "X149.999 has more than 2 decimals"),
     ] {
         let changed = source.replacen(from, to, 1);
