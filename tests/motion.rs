@@ -95,6 +95,16 @@ fn a_corner_is_taken_so_fast_that_no_axis_jumps_by_more_than_its_step() {
 }
 
 #[test]
+fn a_rounded_corner_is_driven_with_the_acceleration_of_the_path_across_it() {
+    let machine = machine("", "corner_tolerance_um = 10.0\ncorner_stop_deg = 180.0");
+    let trajectory = driven(&machine, "G01 X50. F1200.\nY50.");
+    let corner = &trajectory.blocks()[1];
+    let speed = trajectory.at(corner.start_s + 1e-9).velocity_mm_s.norm();
+    // An arc of 90 degrees that stays within 0.01 mm of its corner has a radius of 0.024142 mm.
+    assert!((speed - (500.0_f64 * 0.024_142_136).sqrt()).abs() < 1e-4, "{speed}");
+}
+
+#[test]
 fn short_blocks_last_the_block_time() {
     let blocks: Vec<String> =
         (1..=100).map(|k| format!("G01 X{:.1} F1200.", f64::from(k) * 0.1)).collect();

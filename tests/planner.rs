@@ -110,8 +110,8 @@ fn runs(machine: &Machine) -> Vec<Run> {
     ]
 }
 
-/// The limits of `planner/machine.ini`. LinuxCNC rounds corners within 0.01 mm (G64 P0.01): at 90 degrees
-/// it then goes at 3.23 mm/s, `sqrt(0.866 a R)` with `R = P / (1/sin 45 - 1)`.
+/// The limits of `planner/machine.ini`. LinuxCNC rounds corners within 0.01 mm (G64 P0.01), with 0.866 of
+/// its acceleration across the arc: as much as 8.66 um with all of it.
 fn machine(acceleration: Acceleration) -> Machine {
     let path = match acceleration {
         Whole => 500.0,
@@ -129,7 +129,7 @@ fn machine(acceleration: Acceleration) -> Machine {
     write!(
         text,
         "[controller]\ndialect = \"linuxcnc\"\npath_acceleration_mm_s2 = {path:.1}\n\
-         corner_stop_deg = 180.0\ncorner_speed_step_mm_min = 194.0\n"
+         corner_stop_deg = 180.0\ncorner_tolerance_um = 8.66\n"
     )
     .unwrap();
     Machine::parse(&text, "planner.toml".as_ref()).unwrap()

@@ -88,6 +88,9 @@ pub struct Controller {
     /// By how much the speed of a slide may jump at a corner, mm/s; infinite where only
     /// [`Controller::corner_stop_rad`] counts.
     pub corner_speed_step_mm_s: f64,
+    /// Within how much the control rounds corners, mm: the arc that fits is driven with the acceleration
+    /// of the path across it. Infinite where that does not limit the speed.
+    pub corner_tolerance_mm: f64,
     /// In how much time the acceleration along the path builds up, s; 0 at once. The jerk is the
     /// acceleration over this time.
     pub acceleration_change_s: f64,
@@ -247,6 +250,7 @@ struct RawController {
     path_acceleration_mm_s2: Spanned<f64>,
     corner_stop_deg: Spanned<f64>,
     corner_speed_step_mm_min: Option<Spanned<f64>>,
+    corner_tolerance_um: Option<Spanned<f64>>,
     acceleration_change_ms: Spanned<f64>,
     block_time_ms: Spanned<f64>,
     memory_kb: Option<Spanned<f64>>,
@@ -268,6 +272,7 @@ impl Default for RawController {
             path_acceleration_mm_s2: bare(500.0),
             corner_stop_deg: bare(25.0),
             corner_speed_step_mm_min: None,
+            corner_tolerance_um: None,
             acceleration_change_ms: bare(0.0),
             block_time_ms: bare(0.0),
             memory_kb: None,
@@ -316,6 +321,10 @@ impl RawController {
             corner_speed_step_mm_s: match &self.corner_speed_step_mm_min {
                 None => f64::INFINITY,
                 Some(step) => text.positive(step, "corner_speed_step_mm_min")? / 60.0,
+            },
+            corner_tolerance_mm: match &self.corner_tolerance_um {
+                None => f64::INFINITY,
+                Some(tolerance) => text.positive(tolerance, "corner_tolerance_um")? * 1e-3,
             },
             acceleration_change_s: text.within(
                 &self.acceleration_change_ms,

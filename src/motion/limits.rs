@@ -71,7 +71,9 @@ fn largest_components(motion: &Move) -> Vector3<f64> {
 /// The speed at the corner between two moves, mm/s: 0 where the machine stops there.
 ///
 /// A corner sharper than `corner_stop_deg` is a stop. Others are taken at full speed, or so fast that
-/// the speed of no axis jumps by more than `corner_speed_step_mm_min`.
+/// the speed of no axis jumps by more than `corner_speed_step_mm_min`, and that the arc which rounds the
+/// corner within `corner_tolerance_um` asks for no more than the acceleration `a` of the path: with the
+/// angle `c` between the directions and the tolerance `P`, `v² = a P / (1/cos(c/2) - 1)`.
 pub(super) fn at_corner(machine: &Machine, before: &Move, after: &Move) -> f64 {
     let (arriving, leaving) = (before.at(1.0).1, after.at(0.0).1);
     let controller = machine.controller();
@@ -80,5 +82,10 @@ pub(super) fn at_corner(machine: &Machine, before: &Move, after: &Move) -> f64 {
         return 0.0;
     }
     let jump = (leaving - arriving).amax();
-    if jump > NO_MOTION { controller.corner_speed_step_mm_s / jump } else { f64::INFINITY }
+    if jump <= NO_MOTION {
+        return f64::INFINITY;
+    }
+    let radius_mm = controller.corner_tolerance_mm / (1.0 / (0.5 * corner_rad).cos() - 1.0);
+    let rounded_mm_s = (controller.path_acceleration_mm_s2 * radius_mm).sqrt();
+    rounded_mm_s.min(controller.corner_speed_step_mm_s / jump)
 }

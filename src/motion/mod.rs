@@ -3,7 +3,7 @@
 //! Speeds are planned over whole stretches without a stop, in squared speeds and two passes: a block
 //! begins and ends no faster than the programmed feeds, the accelerations and the corners allow. A corner
 //! sharper than the machine file's `corner_stop_deg` is taken with a stop, others so fast that the speed
-//! of no axis jumps by more than `corner_speed_step_mm_min`. Rapids stop at both ends, as a control does
+//! of no axis jumps by more than `corner_speed_step_mm_min`, or as an arc within `corner_tolerance_um` allows. Rapids stop at both ends, as a control does
 //! that checks the position, and G61 and G09 stop at the end of a block. With `acceleration_change_ms`
 //! the acceleration builds up in that time (bell-shaped acceleration) instead of at once.
 //!
