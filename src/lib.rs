@@ -14,7 +14,7 @@
 //! | [`machine`] | the machine file, topology, exact chain, inverse kinematics |
 //! | [`model`] | coefficient names, error functions, terms, the projected Jacobian |
 //! | [`plan`] | arcs, strategies, mountings, the test file, the path |
-//! | [`nc`] | programs written and read back |
+//! | [`nc`] | programs written, read back and checked |
 //! | [`motion`] | a program becomes a timed trajectory |
 //! | [`log`] | readers of ball-bar logs |
 //! | [`simulate`] | a virtual machine and instrument |
@@ -47,7 +47,7 @@
 //!
 //! # What is not modelled
 //!
-//! Rotary axes, temperature, elasticity, servo lag, jerk, cyclic errors of screws: they are left in the
+//! Rotary axes, temperature, elasticity, servo lag, cyclic errors of screws: they are left in the
 //! residual, and no sigma counts them.
 
 pub mod align;

@@ -2,6 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
+#[path = "programs/rs274.rs"]
+mod rs274;
+
 use std::path::Path as FilePath;
 
 use ballbar::machine::Machine;
@@ -26,10 +29,22 @@ fn test(coincidence: &str, plan: &str) -> Test {
     Test::parse(&source, "t.toml".as_ref()).unwrap_or_else(|error| panic!("{error}"))
 }
 
+fn dialect(name: &str, decimals: usize, dialect: &str, memory_kb: Option<f64>) -> Machine {
+    let machine = machine(name, decimals);
+    let source = std::fs::read_to_string(machine.file()).unwrap();
+    let keys = memory_kb.map_or(String::new(), |memory| format!("memory_kb = {memory:.1}\n"));
+    let source = source
+        .replace("dialect = \"fanuc\"\n", "")
+        .replace("dialect = \"fanuc\"  ", "")
+        .replace("decimals = 3", &format!("decimals = {decimals}"))
+        .replace("[controller]\n", &format!("[controller]\ndialect = \"{dialect}\"\n{keys}"));
+    Machine::parse(&source, machine.file()).unwrap()
+}
+
 fn written_and_read(machine: &Machine, test: &Test) -> (nc::Program, nc::ReadBack, String) {
     let path = Path::plan(test, machine, 0).unwrap_or_else(|error| panic!("{error}"));
     let text = nc::write(test, machine, &path).unwrap();
-    let mut reading = nc::Reading::default();
+    let mut reading = nc::Reading::of(machine);
     reading.work_offsets_mm.insert(54, test.mountings()[0].mounting.coincidence_mm);
     let program =
         nc::read(&text, "O.nc".as_ref(), &reading).unwrap_or_else(|error| panic!("{error}"));
@@ -70,6 +85,131 @@ fn every_strategy_reads_back_within_its_last_decimal() {
             }
         }
     }
+}
+
+/// An interpreter that none of us wrote drives the planned points, from whole programs and from divided
+/// ones, in both dialects.
+#[test]
+fn rs274_drives_what_was_planned() {
+    if !rs274::installed("rs274") {
+        return;
+    }
+    let mut worst_mm = 0.0_f64;
+    let (mut programs, mut points) = (0, 0);
+    for (name, coincidence) in
+        [("hu40t.toml", "[20.0, -35.0, 40.0]"), ("vertical.toml", "[20.0, -35.0, -300.0]")]
+    {
+        for strategy in ["2d", "3d5", "3d6", "3d10"] {
+            for spoken in ["fanuc", "linuxcnc"] {
+                for memory_kb in [None, Some(60.0)] {
+                    let machine = dialect(name, 3, spoken, memory_kb);
+                    let test = test(coincidence, &format!("strategy = \"{strategy}\""));
+                    let path = Path::plan(&test, &machine, 0).unwrap();
+                    let (program, _, text) = written_and_read(&machine, &test);
+                    assert_eq!(text.contains("M98 P1002"), memory_kb.is_some());
+                    let text = if spoken == "fanuc" { rs274::translated(&text) } else { text };
+                    let canon = rs274::interpret(&text).unwrap_or_else(|told| panic!("{told}"));
+                    assert!(canon.ended, "the end of the program");
+                    let time = Trajectory::new(&program, &machine, 1.0).duration();
+                    assert!((canon.dwell_s - time.dwell_s).abs() < 1e-6, "dwells");
+                    assert_eq!(canon.stops, time.stops, "stops");
+                    let planned: Vec<_> = path.points().collect();
+                    assert_eq!(canon.ends_mm.len(), planned.len());
+                    for (end_mm, point) in canon.ends_mm.iter().zip(&planned) {
+                        for axis in 0..3 {
+                            worst_mm = worst_mm.max((end_mm[axis] - point[axis]).abs());
+                        }
+                    }
+                    programs += 1;
+                    points += planned.len();
+                }
+            }
+        }
+    }
+    println!("rs274: {programs} programs, {points} end points, worst {worst_mm:.7} mm");
+    assert!(worst_mm <= 0.000_5 + 1e-9, "{worst_mm}");
+}
+
+/// A second opinion by other authors: `gcode-toolpath` of npm gives the same length and the same box.
+#[test]
+fn gcode_toolpath_sees_the_same_length_and_box() {
+    let root = FilePath::new(env!("CARGO_MANIFEST_DIR"));
+    let modules = root.join("target/outside/node_modules");
+    if !rs274::installed("node") || !rs274::present("gcode-toolpath", &modules) {
+        return;
+    }
+    let directory = tempfile::tempdir().unwrap();
+    for strategy in ["2d", "3d5", "3d6", "3d10"] {
+        for spoken in ["fanuc", "linuxcnc"] {
+            let machine = dialect("hu40t.toml", 3, spoken, None);
+            let test = test("[0.0, 0.0, 0.0]", &format!("strategy = \"{strategy}\""));
+            let (program, _, text) = written_and_read(&machine, &test);
+            let file = directory.path().join("program.nc");
+            std::fs::write(&file, text).unwrap();
+            let output = std::process::Command::new("node")
+                .arg(root.join("tests/programs/toolpath.js"))
+                .arg(&file)
+                .env("NODE_PATH", &modules)
+                .output()
+                .unwrap();
+            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+            let seen: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+            let moves: Vec<_> = program
+                .steps
+                .iter()
+                .filter_map(|step| match step.action {
+                    nc::Action::Move(motion) => Some(motion),
+                    nc::Action::Dwell { .. } | nc::Action::Stop | nc::Action::End => None,
+                })
+                .collect();
+            let length_mm: f64 = moves.iter().map(nc::Move::length_mm).sum();
+            let seen_mm = seen["length"].as_f64().unwrap();
+            println!("{strategy} {spoken}: {length_mm:.6} mm, gcode-toolpath {seen_mm:.6} mm");
+            assert_eq!(seen["moves"].as_u64().unwrap() as usize, moves.len() + 1);
+            assert!((seen_mm - length_mm).abs() < 1e-6, "{seen_mm} and {length_mm}");
+            let start_mm = moves[0].start_mm;
+            for axis in 0..3 {
+                let at = moves.iter().map(|motion| motion.end_mm[axis]);
+                let (low, high) = at.fold((start_mm[axis], start_mm[axis]), |(low, high), at| {
+                    (low.min(at), high.max(at))
+                });
+                assert!((seen["low"][axis].as_f64().unwrap() - low).abs() < 1e-9);
+                assert!((seen["high"][axis].as_f64().unwrap() - high).abs() < 1e-9);
+            }
+        }
+    }
+}
+
+/// A control that takes subprograms one by one must have room for each.
+#[test]
+fn a_program_larger_than_the_memory_is_divided_by_arcs() {
+    let whole = machine("hu40t.toml", 3);
+    let small = dialect("hu40t.toml", 3, "fanuc", Some(60.0));
+    let test = test("[20.0, -35.0, 40.0]", "strategy = \"3d6\"");
+    let (one, _, text) = written_and_read(&whole, &test);
+    let (divided, _, parts) = written_and_read(&small, &test);
+    let moves = |program: &nc::Program| {
+        let mut moves = Vec::new();
+        for step in &program.steps {
+            match step.action {
+                nc::Action::Move(motion) => moves.push((motion.start_mm, motion.end_mm)),
+                nc::Action::Dwell { .. } | nc::Action::Stop | nc::Action::End => {}
+            }
+        }
+        moves
+    };
+    assert!(text.len() > 200_000 && !text.contains("M98"));
+    assert!(moves(&one) == moves(&divided), "the same path");
+    let sizes: Vec<usize> = parts.split("\nO").map(str::len).collect();
+    assert!(sizes.len() > 12 && sizes.iter().all(|size| *size < 60 * 1024), "{sizes:?}");
+    let mut reading = nc::Reading::of(&small);
+    reading.work_offsets_mm.insert(54, test.mountings()[0].mounting.coincidence_mm);
+    let sphere = nc::Sphere::of(&test, 0).unwrap();
+    let checked = nc::check(&parts, "O.nc".as_ref(), &small, &reading, Some(&sphere)).unwrap();
+    assert_eq!(checked.findings, []);
+    let checked = nc::check(&text, "O.nc".as_ref(), &small, &reading, Some(&sphere)).unwrap();
+    assert_eq!(checked.findings.len(), 1);
+    assert!(checked.findings[0].error.what.contains("the control's memory 60.0 KB"));
 }
 
 #[test]

@@ -66,7 +66,7 @@ pub(super) fn expected(
             *stops += 1;
         }
         // Fine enough that no passage through the range of a fast move is missed.
-        let travel_mm = block.motion().map_or(0.0, crate::motion::length_mm);
+        let travel_mm = block.motion().map_or(0.0, crate::nc::Move::length_mm);
         let pieces = (travel_mm / (0.5 * bar.range_mm)).ceil().clamp(1.0, 4096.0) as usize;
         for piece in 1..=pieces {
             let time_s = block.start_s + block.duration_s * (piece as f64 / pieces as f64);

@@ -9,7 +9,7 @@ use serde_json::json;
 use super::Common;
 use super::output::{self, Talk};
 use crate::error::{Error, Place, Result};
-use crate::machine::{Axis, Machine, Pivot};
+use crate::machine::{Axis, Machine, Pivot, Slide};
 
 /// List and check machine files
 ///
@@ -72,6 +72,18 @@ fn pivot(pivot: Pivot) -> &'static str {
     }
 }
 
+/// Limits at feed, where there are any.
+fn at_feed(slide: &Slide) -> String {
+    let mut text = String::new();
+    if slide.max_feed_mm_s.is_finite() {
+        let _ = write!(text, ", feed {:.0} mm/min", slide.max_feed_mm_s * 60.0);
+    }
+    if slide.feed_acceleration_mm_s2.is_finite() {
+        let _ = write!(text, ", {:.0} mm/s2 at feed", slide.feed_acceleration_mm_s2);
+    }
+    text
+}
+
 fn as_text(machine: &Machine) -> String {
     let mut text = format!(
         "{}\n  file      {}\n  topology  {}\n",
@@ -83,24 +95,34 @@ fn as_text(machine: &Machine) -> String {
         let slide = machine.slide(axis);
         let _ = writeln!(
             text,
-            "  {axis}         {:>7.1} to {:>6.1} mm, rapid {:>5.0} mm/min, {:>5.0} mm/s2, pivot on the {}{}",
+            "  {axis}         {:>7.1} to {:>6.1} mm, rapid {:>5.0} mm/min, {:>5.0} mm/s2, pivot on the {}{}{}",
             slide.travel_mm[0],
             slide.travel_mm[1],
             slide.rapid_mm_s * 60.0,
             slide.acceleration_mm_s2,
             pivot(slide.pivot),
             slide.screw_pitch_mm.map_or(String::new(), |pitch| format!(", screw {pitch} mm")),
+            at_feed(slide),
         );
     }
     let controller = machine.controller();
     let _ = writeln!(
         text,
         "  control   {}, {} decimals, {:.0} mm/s2 along the path, stops at corners above {:.0} deg",
-        controller.dialect,
+        controller.dialect.name(),
         controller.decimals,
         controller.path_acceleration_mm_s2,
         controller.corner_stop_rad.to_degrees()
     );
+    let further = [
+        (controller.corner_speed_step_mm_s * 60.0, "mm/min at most as a step of speed at corners"),
+        (controller.acceleration_change_s * 1e3, "ms until the acceleration is built up"),
+        (controller.block_time_s * 1e3, "ms for a block"),
+        (controller.memory_bytes.map_or(0.0, |bytes| bytes as f64 / 1024.0), "KB of memory"),
+    ];
+    for (value, meaning) in further.iter().filter(|(value, _)| *value > 0.0 && value.is_finite()) {
+        let _ = writeln!(text, "            {value:.1} {meaning}");
+    }
     text
 }
 

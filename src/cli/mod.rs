@@ -6,6 +6,7 @@
 
 mod align;
 mod analyse;
+mod check;
 mod demo;
 mod design;
 mod estimate;
@@ -17,6 +18,7 @@ mod paper;
 mod plan;
 mod program;
 mod simulate;
+mod time;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -43,6 +45,7 @@ const AFTER_HELP: &str = "Examples:
   ballbar demo                                 the whole chain on measured logs, in a few seconds
   ballbar plan test.toml                       what a test takes and what it will know
   ballbar program test.toml -o out             write the NC programs of a test
+  ballbar check out/O1001.nc --test test.toml  what is wrong with a program that was edited
   ballbar analyse test.toml -o out             align the logs, identify, write the report
   ballbar identify test.toml --json | jq .     coefficients for another program
 
@@ -72,6 +75,8 @@ struct Common {
 enum Command {
     Plan(plan::Arguments),
     Program(program::Arguments),
+    Check(check::Arguments),
+    Time(time::Arguments),
     Simulate(simulate::Arguments),
     Align(align::Arguments),
     Identify(identify::Arguments),
@@ -92,6 +97,8 @@ pub fn main() -> ExitCode {
     let done = match &cli.command {
         Command::Plan(arguments) => arguments.run(common, &talk),
         Command::Program(arguments) => arguments.run(common, &talk),
+        Command::Check(arguments) => arguments.run(common, &talk),
+        Command::Time(arguments) => arguments.run(common, &talk),
         Command::Simulate(arguments) => arguments.run(common, &talk),
         Command::Align(arguments) => arguments.run(common, &talk),
         Command::Identify(arguments) => arguments.run(common, &talk),

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
-use super::Common;
 use super::output::{self, Files, Talk};
+use super::{Common, time};
 use crate::design::PlannedProgram;
 use crate::error::Result;
 use crate::plan::Test;
@@ -50,17 +50,13 @@ impl Arguments {
 
 /// What the operator wants to know before he runs a program.
 pub(super) fn told(program: &PlannedProgram) -> String {
-    let time = program.trajectory.duration();
     format!(
-        "  mounting {}: {} moves, read back within {:.5} mm, sag {:.2} um\n  time {} at feed, {} in dwells, {} at rapid, and {} stop(s) for the operator",
+        "  mounting {}: {} moves, read back within {:.5} mm, sag {:.2} um\n  time {}",
         program.mounting_name,
         program.back.points,
         program.back.worst_mm,
         program.back.sag_mm * 1e3,
-        minutes(time.feed_s),
-        minutes(time.dwell_s),
-        minutes(time.rapid_s),
-        time.stops
+        time::told(&program.trajectory.duration())
     )
 }
 
@@ -77,13 +73,4 @@ fn as_json(program: &PlannedProgram, common: &Common) -> serde_json::Value {
         "rapid_s": time.rapid_s,
         "operator_stops": time.stops,
     })
-}
-
-/// `14 min 50 s`.
-fn minutes(seconds: f64) -> String {
-    let whole = seconds.round();
-    if whole < 60.0 {
-        return format!("{seconds:.1} s");
-    }
-    format!("{} min {} s", (whole / 60.0).floor(), whole % 60.0)
 }

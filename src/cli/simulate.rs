@@ -68,7 +68,7 @@ impl Arguments {
         for repeat in 1..=self.repeats {
             for (index, source) in sources.iter().enumerate() {
                 let mounting = &test.mountings()[source.mounting];
-                let mut reading = nc::Reading::default();
+                let mut reading = nc::Reading::of(&machine);
                 reading
                     .work_offsets_mm
                     .insert(mounting.work_offset, mounting.mounting.coincidence_mm);

@@ -142,7 +142,7 @@ impl Measured {
         machine: &Machine,
     ) -> Result<Matrix> {
         let named = &self.test.mountings()[mounting];
-        let mut reading = nc::Reading::default();
+        let mut reading = nc::Reading::of(machine);
         reading.work_offsets_mm.insert(named.work_offset, named.mounting.coincidence_mm);
         let program = nc::read_file(program, &reading)?;
         let bar = self.test.bar_of(mounting);

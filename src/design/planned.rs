@@ -38,7 +38,7 @@ impl PlannedProgram {
         let text = nc::write(test, machine, &path)?;
         let file_name = format!("O{:04}.nc", test.plan()?.program_number + mounting as u32);
         let named = &test.mountings()[mounting];
-        let mut reading = nc::Reading::default();
+        let mut reading = nc::Reading::of(machine);
         reading.work_offsets_mm.insert(named.work_offset, named.mounting.coincidence_mm);
         let program = nc::read(&text, file_name.as_ref(), &reading)?;
         let back = nc::read_back(&program, test, &path)?;

@@ -16,7 +16,7 @@ use crate::plan::{Run, Test};
 /// Reads and aligns one run of a test.
 pub fn align_run(test: &Test, machine: &Machine, run: &Run) -> Result<RunInput> {
     let log = log::read(&run.log, &test.log_format_of(run.mounting))?;
-    let mut reading = nc::Reading::default();
+    let mut reading = nc::Reading::of(machine);
     for mounting in test.mountings() {
         reading.work_offsets_mm.insert(mounting.work_offset, mounting.mounting.coincidence_mm);
     }

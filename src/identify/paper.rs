@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::observability::{Gather, POINTS, POSES, Seen, Sight};
+use super::paper_time::{self, PaperTime};
 use super::stages::{Pruning, Stage, removed_by, stages};
 use crate::error::Result;
 use crate::machine::{Axis, Machine, Mounting, Pivot};
@@ -106,6 +107,8 @@ pub struct Comparison {
     pub strategies: Vec<StrategyRows>,
     /// Beyond the paper, every pivot on its carriage.
     pub mountings: Vec<MountingRow>,
+    /// How long its test takes.
+    pub times: Vec<PaperTime>,
 }
 
 /// The machine of the paper, every pivot on its carriage.
@@ -158,7 +161,13 @@ impl Comparison {
                 )
             },
         );
-        Ok(Self { geometry, volume: volume?, strategies: strategies?, mountings: mountings? })
+        Ok(Self {
+            geometry,
+            volume: volume?,
+            strategies: strategies?,
+            mountings: mountings?,
+            times: paper_time::times(&machines[0])?,
+        })
     }
 }
 

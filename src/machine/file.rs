@@ -30,8 +30,12 @@ pub struct Slide {
     pub travel_mm: [f64; 2],
     /// Rapid traverse, mm/s.
     pub rapid_mm_s: f64,
-    /// Acceleration, mm/s².
+    /// Acceleration at rapid, mm/s².
     pub acceleration_mm_s2: f64,
+    /// Fastest cutting feed, mm/s; infinite where the machine file gives none.
+    pub max_feed_mm_s: f64,
+    /// Acceleration at feed, mm/s²; infinite where only that along the path counts.
+    pub feed_acceleration_mm_s2: f64,
     /// Where the slide turns.
     pub pivot: Pivot,
     /// Lead of the ball screw, mm, where known.
@@ -40,11 +44,34 @@ pub struct Slide {
     pub location_mm: Vector3<f64>,
 }
 
+/// Which control reads the programs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Dialect {
+    /// Fanuc 15i/150i and its relatives.
+    #[default]
+    Fanuc,
+    /// LinuxCNC, RS274/NGC.
+    LinuxCnc,
+}
+
+impl Dialect {
+    /// All, the default first.
+    pub const ALL: [Self; 2] = [Self::Fanuc, Self::LinuxCnc];
+
+    /// Its name in a machine file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fanuc => "fanuc",
+            Self::LinuxCnc => "linuxcnc",
+        }
+    }
+}
+
 /// What the control writes, reads and does at corners.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Controller {
-    /// The dialect of the programs; `fanuc` is the one there is.
-    pub dialect: String,
+    /// The dialect of the programs.
+    pub dialect: Dialect,
     /// Decimals of an axis word.
     pub decimals: usize,
     /// Step of the N numbers; 0 writes none.
@@ -59,6 +86,19 @@ pub struct Controller {
     pub path_acceleration_mm_s2: f64,
     /// Corners sharper than this are taken with a stop, rad.
     pub corner_stop_rad: f64,
+    /// By how much the speed of a slide may jump at a corner, mm/s; infinite where only
+    /// [`Controller::corner_stop_rad`] counts.
+    pub corner_speed_step_mm_s: f64,
+    /// Within how much the control rounds corners, mm: the arc that fits is driven with the acceleration
+    /// of the path across it. Infinite where that does not limit the speed.
+    pub corner_tolerance_mm: f64,
+    /// In how much time the acceleration along the path builds up, s; 0 at once. The jerk is the
+    /// acceleration over this time.
+    pub acceleration_change_s: f64,
+    /// Time that the control needs to prepare a block, s; 0 none.
+    pub block_time_s: f64,
+    /// Largest program that the control's memory holds, bytes; none if it does not matter.
+    pub memory_bytes: Option<usize>,
 }
 
 /// A checked machine description.
@@ -168,6 +208,8 @@ struct RawSlide {
     travel_mm: Spanned<[f64; 2]>,
     rapid_mm_min: Spanned<f64>,
     acceleration_mm_s2: Spanned<f64>,
+    max_feed_mm_min: Option<Spanned<f64>>,
+    feed_acceleration_mm_s2: Option<Spanned<f64>>,
     #[serde(default)]
     pivot: Pivot,
     screw_pitch_mm: Option<Spanned<f64>>,
@@ -191,10 +233,18 @@ impl RawSlide {
             None => Vector3::zeros(),
             Some(at) => text.finite_vector(at, "location_mm")?,
         };
+        let no_limit_without = |value: &Option<Spanned<f64>>, key: &str| {
+            value.as_ref().map_or(Ok(f64::INFINITY), |value| text.positive(value, key))
+        };
         Ok(Slide {
             travel_mm: [low, high],
             rapid_mm_s: text.positive(&self.rapid_mm_min, "rapid_mm_min")? / 60.0,
             acceleration_mm_s2: text.positive(&self.acceleration_mm_s2, "acceleration_mm_s2")?,
+            max_feed_mm_s: no_limit_without(&self.max_feed_mm_min, "max_feed_mm_min")? / 60.0,
+            feed_acceleration_mm_s2: no_limit_without(
+                &self.feed_acceleration_mm_s2,
+                "feed_acceleration_mm_s2",
+            )?,
             pivot: self.pivot,
             screw_pitch_mm: self
                 .screw_pitch_mm
@@ -216,6 +266,11 @@ struct RawController {
     look_ahead_off: Spanned<String>,
     path_acceleration_mm_s2: Spanned<f64>,
     corner_stop_deg: Spanned<f64>,
+    corner_speed_step_mm_min: Option<Spanned<f64>>,
+    corner_tolerance_um: Option<Spanned<f64>>,
+    acceleration_change_ms: Spanned<f64>,
+    block_time_ms: Spanned<f64>,
+    memory_kb: Option<Spanned<f64>>,
 }
 
 impl Default for RawController {
@@ -233,17 +288,24 @@ impl Default for RawController {
             look_ahead_off: bare(String::new()),
             path_acceleration_mm_s2: bare(500.0),
             corner_stop_deg: bare(25.0),
+            corner_speed_step_mm_min: None,
+            corner_tolerance_um: None,
+            acceleration_change_ms: bare(0.0),
+            block_time_ms: bare(0.0),
+            memory_kb: None,
         }
     }
 }
 
 impl RawController {
     fn check(self, text: &Text<'_>) -> Result<Controller> {
-        if self.dialect.get_ref() != "fanuc" {
-            return Err(Error::input(format!("unknown dialect `{}`", self.dialect.get_ref()))
-                .at(text.place(self.dialect.span()))
-                .hint("write `dialect = \"fanuc\"`"));
-        }
+        let name = self.dialect.get_ref();
+        let dialect =
+            Dialect::ALL.into_iter().find(|dialect| dialect.name() == name).ok_or_else(|| {
+                Error::input(format!("unknown dialect `{name}`"))
+                    .at(text.place(self.dialect.span()))
+                    .hint("write `dialect = \"fanuc\"` or `dialect = \"linuxcnc\"`")
+            })?;
         let decimals = *self.decimals.get_ref();
         if !(2..=6).contains(&decimals) {
             return Err(Error::input(format!("an axis word cannot have {decimals} decimals"))
@@ -264,7 +326,7 @@ impl RawController {
                 .hint("give the angle between the two directions of motion, 0 to 180"));
         }
         Ok(Controller {
-            dialect: self.dialect.into_inner(),
+            dialect,
             decimals,
             sequence_step: self.sequence_step,
             comment_characters: self.comment_characters,
@@ -273,6 +335,25 @@ impl RawController {
             path_acceleration_mm_s2: text
                 .positive(&self.path_acceleration_mm_s2, "path_acceleration_mm_s2")?,
             corner_stop_rad: corner_deg.to_radians(),
+            corner_speed_step_mm_s: match &self.corner_speed_step_mm_min {
+                None => f64::INFINITY,
+                Some(step) => text.positive(step, "corner_speed_step_mm_min")? / 60.0,
+            },
+            corner_tolerance_mm: match &self.corner_tolerance_um {
+                None => f64::INFINITY,
+                Some(tolerance) => text.positive(tolerance, "corner_tolerance_um")? * 1e-3,
+            },
+            acceleration_change_s: text.within(
+                &self.acceleration_change_ms,
+                "acceleration_change_ms",
+                0.0,
+                1000.0,
+            )? * 1e-3,
+            block_time_s: text.within(&self.block_time_ms, "block_time_ms", 0.0, 1000.0)? * 1e-3,
+            memory_bytes: match &self.memory_kb {
+                None => None,
+                Some(memory) => Some((text.positive(memory, "memory_kb")? * 1024.0) as usize),
+            },
         })
     }
 }

@@ -21,5 +21,5 @@ mod topology;
 pub use axis::Axis;
 pub use chain::{ChainErrors, Mounting, Pose, SlideError};
 pub use clearance::{Clearance, Cylinder};
-pub use file::{Controller, Machine, Pivot, Slide};
+pub use file::{Controller, Dialect, Machine, Pivot, Slide};
 pub use topology::{Side, Topology};

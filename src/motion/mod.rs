@@ -1,18 +1,21 @@
 //! Motion: a program becomes a timed trajectory.
 //!
 //! Speeds are planned over whole stretches without a stop, in squared speeds and two passes: a block
-//! begins and ends no faster than the programmed feeds, the acceleration along the path and the corners
-//! allow. A corner sharper than the machine file's `corner_stop_deg` is taken with a stop, others at
-//! the programmed feed. Rapids stop at both ends, as a control does that checks the position.
+//! begins and ends no faster than the programmed feeds, the accelerations and the corners allow. A corner
+//! sharper than the machine file's `corner_stop_deg` is taken with a stop, others so fast that the speed
+//! of no axis jumps by more than `corner_speed_step_mm_min`, or as an arc within `corner_tolerance_um` allows. Rapids stop at both ends, as a control does
+//! that checks the position, and G61 and G09 stop at the end of a block. With `acceleration_change_ms`
+//! the acceleration builds up in that time (bell-shaped acceleration) instead of at once.
 //!
-//! **Not modelled:** per-axis limits at feed, jerk, block time, servo lag.
+//! **Not modelled:** servo lag, the in-position check at a stop, a look-ahead that is too short.
 //!
 //! An operator's pause (M00) has no known length. It is its own kind of time: in a trajectory it stands
 //! at its place with length zero, and whoever aligns a log finds out how long it was.
 
+mod bell;
+mod limits;
 mod profile;
 mod trajectory;
 
 pub use profile::Profile;
-pub(crate) use trajectory::length_mm;
 pub use trajectory::{Block, BlockKind, Duration, State, Trajectory};

@@ -1,14 +1,68 @@
 //! Speed over one block.
 
-/// A trapezoid in speed: accelerate, cruise, decelerate.
+/// A stretch of time with a constant jerk.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Profile {
-    start_mm_s: f64,
-    cruise_mm_s: f64,
-    acceleration_mm_s2: f64,
-    accelerate_s: f64,
-    cruise_s: f64,
-    decelerate_s: f64,
+pub(super) struct Phase {
+    pub(super) duration_s: f64,
+    /// At its beginning.
+    pub(super) speed_mm_s: f64,
+    /// At its beginning.
+    pub(super) acceleration_mm_s2: f64,
+    pub(super) jerk_mm_s3: f64,
+}
+
+impl Phase {
+    /// Distance (mm) and speed (mm/s) after a time.
+    pub(super) fn at(&self, t: f64) -> (f64, f64) {
+        let (v, a, j) = (self.speed_mm_s, self.acceleration_mm_s2, self.jerk_mm_s3);
+        (t * (v + t * (0.5 * a + t * j / 6.0)), v + t * (a + 0.5 * j * t))
+    }
+
+    /// When a distance is reached, s; the speed is nowhere negative.
+    pub(super) fn time_of_s(&self, distance_mm: f64) -> f64 {
+        bisect(self.duration_s, |t| self.at(t).0 < distance_mm)
+    }
+
+    /// Its parts before and after a time.
+    pub(super) fn split(self, time_s: f64) -> (Self, Self) {
+        let second = Self {
+            duration_s: self.duration_s - time_s,
+            speed_mm_s: self.at(time_s).1,
+            acceleration_mm_s2: self.acceleration_mm_s2 + self.jerk_mm_s3 * time_s,
+            jerk_mm_s3: self.jerk_mm_s3,
+        };
+        (Self { duration_s: time_s, ..self }, second)
+    }
+}
+
+/// The time until which something holds: distance grows with time, and 60 halvings are exact enough.
+fn bisect(duration_s: f64, holds: impl Fn(f64) -> bool) -> f64 {
+    let (mut low, mut high) = (0.0, duration_s);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if holds(middle) { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+/// Speed over time within one block.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Profile(Shape);
+
+/// Every sample of an alignment asks a trapezoid for its place some ten times, so it is kept small.
+#[derive(Debug, Clone, PartialEq)]
+enum Shape {
+    /// Accelerate, cruise, decelerate.
+    Trapezoid {
+        start_mm_s: f64,
+        cruise_mm_s: f64,
+        acceleration_mm_s2: f64,
+        accelerate_s: f64,
+        cruise_s: f64,
+        decelerate_s: f64,
+    },
+    /// Whatever filtering has made of it.
+    Filtered(Box<[Phase]>),
 }
 
 impl Profile {
@@ -27,47 +81,99 @@ impl Profile {
         let peak = (a * length_mm + 0.5 * (v0 * v0 + v1 * v1)).sqrt();
         let cruise = peak.min(cruise_mm_s).max(v0).max(v1);
         let ramps_mm = (2.0 * cruise * cruise - v0 * v0 - v1 * v1) / (2.0 * a);
-        Self {
+        Self(Shape::Trapezoid {
             start_mm_s: v0,
             cruise_mm_s: cruise,
             acceleration_mm_s2: a,
             accelerate_s: (cruise - v0) / a,
             cruise_s: ((length_mm - ramps_mm) / cruise).max(0.0),
             decelerate_s: (cruise - v1) / a,
+        })
+    }
+
+    pub(super) fn of_phases(phases: Vec<Phase>) -> Self {
+        Self(Shape::Filtered(phases.into_boxed_slice()))
+    }
+
+    /// The stretches of constant jerk that it is made of.
+    pub(super) fn phases(&self) -> Vec<Phase> {
+        match &self.0 {
+            Shape::Filtered(phases) => phases.to_vec(),
+            Shape::Trapezoid {
+                start_mm_s,
+                cruise_mm_s,
+                acceleration_mm_s2,
+                accelerate_s,
+                cruise_s,
+                decelerate_s,
+            } => [
+                (*accelerate_s, *start_mm_s, *acceleration_mm_s2),
+                (*cruise_s, *cruise_mm_s, 0.0),
+                (*decelerate_s, *cruise_mm_s, -acceleration_mm_s2),
+            ]
+            .map(|(duration_s, speed_mm_s, acceleration_mm_s2)| Phase {
+                duration_s,
+                speed_mm_s,
+                acceleration_mm_s2,
+                jerk_mm_s3: 0.0,
+            })
+            .to_vec(),
         }
     }
 
     /// How long the block takes, s.
     pub fn duration_s(&self) -> f64 {
-        self.accelerate_s + self.cruise_s + self.decelerate_s
+        match &self.0 {
+            Shape::Trapezoid { accelerate_s, cruise_s, decelerate_s, .. } => {
+                accelerate_s + cruise_s + decelerate_s
+            }
+            Shape::Filtered(phases) => phases.iter().map(|phase| phase.duration_s).sum(),
+        }
     }
 
     /// When a distance along the block is reached, s.
     pub fn time_of_s(&self, distance_mm: f64) -> f64 {
-        // Distance grows with time: bisection is exact enough in 60 halvings.
-        let (mut low, mut high) = (0.0, self.duration_s());
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if self.at(middle).0 < distance_mm { low = middle } else { high = middle }
-        }
-        0.5 * (low + high)
+        bisect(self.duration_s(), |t| self.at(t).0 < distance_mm)
     }
 
     /// Distance (mm) and speed (mm/s) along the block after `t_s`.
     pub fn at(&self, t_s: f64) -> (f64, f64) {
-        let (v0, vc, a) = (self.start_mm_s, self.cruise_mm_s, self.acceleration_mm_s2);
         let t = t_s.clamp(0.0, self.duration_s());
-        if t < self.accelerate_s {
-            return (v0 * t + 0.5 * a * t * t, v0 + a * t);
+        match &self.0 {
+            Shape::Trapezoid {
+                start_mm_s: v0,
+                cruise_mm_s: vc,
+                acceleration_mm_s2: a,
+                accelerate_s,
+                cruise_s,
+                ..
+            } => {
+                if t < *accelerate_s {
+                    return (v0 * t + 0.5 * a * t * t, v0 + a * t);
+                }
+                let accelerated = 0.5 * (v0 + vc) * accelerate_s;
+                if t < accelerate_s + cruise_s {
+                    return (accelerated + vc * (t - accelerate_s), *vc);
+                }
+                let braking = t - accelerate_s - cruise_s;
+                let distance =
+                    accelerated + vc * cruise_s + vc * braking - 0.5 * a * braking * braking;
+                (distance, vc - a * braking)
+            }
+            Shape::Filtered(phases) => {
+                let (mut left, mut distance, mut speed) = (t, 0.0, 0.0);
+                for phase in phases {
+                    let (travelled, now) = phase.at(left.min(phase.duration_s));
+                    distance += travelled;
+                    speed = now;
+                    if left < phase.duration_s {
+                        break;
+                    }
+                    left -= phase.duration_s;
+                }
+                (distance, speed)
+            }
         }
-        let accelerated = 0.5 * (v0 + vc) * self.accelerate_s;
-        if t < self.accelerate_s + self.cruise_s {
-            return (accelerated + vc * (t - self.accelerate_s), vc);
-        }
-        let braking = t - self.accelerate_s - self.cruise_s;
-        let distance =
-            accelerated + vc * self.cruise_s + vc * braking - 0.5 * a * braking * braking;
-        (distance, vc - a * braking)
     }
 }
 
@@ -93,5 +199,31 @@ mod tests {
             let slope = (profile.at(t + 1e-6).0 - profile.at(t - 1e-6).0) / 2e-6;
             assert!((slope - profile.at(t).1).abs() < 1e-4, "at {t}");
         }
+    }
+
+    /// The mean of a trapezoid over the change time: the same way, that much later, with the jerk a/T.
+    #[test]
+    fn filtered_blocks_take_the_change_time_longer_and_join_smoothly() {
+        let (a, change_s) = (500.0, 0.03);
+        let lengths = [0.4, 2.0, 0.1, 3.0];
+        let speeds = [0.0, 12.0, 20.0, 18.0, 0.0];
+        let planned: Vec<Profile> = (0..4)
+            .map(|k| Profile::fastest(lengths[k], speeds[k], speeds[k + 1], 20.0, a))
+            .collect();
+        let filtered = super::super::bell::filtered(&planned, &lengths, change_s);
+        let total = |profiles: &[Profile]| profiles.iter().map(Profile::duration_s).sum::<f64>();
+        assert!((total(&filtered) - total(&planned) - change_s).abs() < 1e-9);
+        let mut before = 0.0;
+        for (profile, length) in filtered.iter().zip(&lengths) {
+            let (distance, speed) = profile.at(profile.duration_s());
+            assert!((distance - length).abs() < 1e-9, "{distance} of {length}");
+            assert!((profile.at(0.0).1 - before).abs() < 1e-6, "speeds join");
+            before = speed;
+            for phase in profile.phases() {
+                assert!(phase.jerk_mm_s3.abs() <= 2.0 * a / change_s * (1.0 + 1e-9));
+                assert!(phase.acceleration_mm_s2.abs() <= a * (1.0 + 1e-9));
+            }
+        }
+        assert!(before.abs() < 1e-6, "at rest");
     }
 }

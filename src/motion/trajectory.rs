@@ -1,10 +1,11 @@
 //! A program with its times.
 
-use nalgebra::{Rotation3, Unit, Vector3};
+use nalgebra::Vector3;
 
-use super::Profile;
-use crate::machine::{Axis, Machine};
-use crate::nc::{Action, Move, Path, Program};
+use super::limits::{self, Limits};
+use super::{Profile, bell};
+use crate::machine::Machine;
+use crate::nc::{Action, Move, Program};
 
 /// What a block of the trajectory is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -160,12 +161,12 @@ impl Trajectory {
         let mut times: Vec<f64> = Vec::new();
         for block in &self.blocks {
             let Some((motion, profile)) = &block.motion else { continue };
-            let begins = turned(block.sense, &place(motion, 0.0).1);
+            let begins = turned(block.sense, &motion.at(0.0).1);
             if begins != block.sense {
                 times.push(block.start_s);
             }
-            for share in arc_extremes(motion) {
-                times.push(block.start_s + profile.time_of_s(share * length_mm(motion)));
+            for share in motion.extreme_shares() {
+                times.push(block.start_s + profile.time_of_s(share * motion.length_mm()));
             }
         }
         times.sort_by(f64::total_cmp);
@@ -207,7 +208,7 @@ impl Block {
         };
         let Some((motion, profile)) = &self.motion else { return still };
         let (distance_mm, speed_mm_s) = profile.at(time_s - self.start_s);
-        let (position_mm, tangent) = place(motion, distance_mm / length_mm(motion));
+        let (position_mm, tangent) = motion.at(distance_mm / motion.length_mm());
         State {
             position_mm,
             velocity_mm_s: tangent * speed_mm_s,
@@ -221,63 +222,6 @@ impl Block {
 fn turned(sense: Vector3<f64>, along: &Vector3<f64>) -> Vector3<f64> {
     // Of an arc's tangent, what is left of a component by rounding is not motion.
     sense.zip_map(along, |before, v| if v.abs() > 1e-12 { v.signum() } else { before })
-}
-
-/// Length of a move along its path, mm.
-pub(crate) fn length_mm(motion: &Move) -> f64 {
-    let chord = motion.end_mm - motion.start_mm;
-    match motion.path {
-        Path::Line => chord.norm(),
-        Path::Arc { center_mm, axis, sweep_rad } => {
-            let mut radius = motion.start_mm - center_mm;
-            radius[axis] = 0.0;
-            (radius.norm() * sweep_rad).hypot(chord[axis])
-        }
-    }
-}
-
-/// Position (mm) and unit tangent after a share of a move, 0 to 1.
-fn place(motion: &Move, share: f64) -> (Vector3<f64>, Vector3<f64>) {
-    let chord = motion.end_mm - motion.start_mm;
-    match motion.path {
-        Path::Line => (
-            motion.start_mm + chord * share,
-            chord.try_normalize(0.0).unwrap_or_else(Vector3::zeros),
-        ),
-        Path::Arc { center_mm, axis, sweep_rad } => {
-            let normal = Unit::new_unchecked(Vector3::ith(axis, 1.0));
-            let mut arm = motion.start_mm - center_mm;
-            arm[axis] = 0.0;
-            let mut closing = motion.end_mm - center_mm;
-            closing[axis] = 0.0;
-            // Ends that differ from a true circle by rounding are reached by letting the radius glide.
-            let glide = 1.0 + (closing.norm() / arm.norm() - 1.0) * share;
-            let turned = Rotation3::from_axis_angle(&normal, sweep_rad * share) * arm * glide;
-            let lift = normal.into_inner() * chord[axis];
-            let tangent = normal.cross(&turned) * sweep_rad + lift;
-            let mut position = center_mm + turned + lift * share;
-            position[axis] = motion.start_mm[axis] + chord[axis] * share;
-            (position, tangent.try_normalize(0.0).unwrap_or_else(Vector3::zeros))
-        }
-    }
-}
-
-/// Shares of an arc at which its tangent is normal to an axis of its plane.
-fn arc_extremes(motion: &Move) -> Vec<f64> {
-    let Path::Arc { center_mm, axis, sweep_rad } = motion.path else { return Vec::new() };
-    let arm = motion.start_mm - center_mm;
-    let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
-    let start_rad = arm[b].atan2(arm[a]);
-    let quarter = std::f64::consts::FRAC_PI_2;
-    let (first, last) = (start_rad / quarter, (start_rad + sweep_rad) / quarter);
-    let (low, high) = (first.min(last), first.max(last));
-    let mut shares: Vec<f64> = Vec::new();
-    let mut k = (low + 1e-9).ceil();
-    while k < high - 1e-9 {
-        shares.push((k * quarter - start_rad) / sweep_rad);
-        k += 1.0;
-    }
-    shares
 }
 
 struct Builder<'a> {
@@ -306,63 +250,55 @@ impl Builder<'_> {
         self.now_s += duration_s;
     }
 
-    /// Cruise speed (mm/s) and acceleration (mm/s²) along a move.
-    fn limits(&self, motion: &Move) -> (f64, f64) {
-        if !motion.rapid {
-            let controller = self.machine.controller();
-            return (motion.feed_mm_s * self.feed_override, controller.path_acceleration_mm_s2);
-        }
-        let along = place(motion, 0.0).1;
-        let slowest = |limit: &dyn Fn(Axis) -> f64| {
-            Axis::ALL
-                .into_iter()
-                .filter(|axis| along[axis.index()].abs() > 1e-12)
-                .map(|axis| limit(axis) / along[axis.index()].abs())
-                .fold(f64::INFINITY, f64::min)
-        };
-        (
-            slowest(&|axis| self.machine.slide(axis).rapid_mm_s),
-            slowest(&|axis| self.machine.slide(axis).acceleration_mm_s2),
-        )
-    }
-
-    /// Whether the machine stops between two moves.
-    fn stops_between(&self, before: &Move, after: &Move) -> bool {
-        let cosine = place(before, 1.0).1.dot(&place(after, 0.0).1).clamp(-1.0, 1.0);
-        before.rapid
-            || after.rapid
-            || before.exact_stop
-            || cosine.acos() > self.machine.controller().corner_stop_rad
-    }
-
     /// Times a stretch of moves that begins and ends at rest.
     fn drive(&mut self, stretch: &mut Vec<(usize, usize, Move)>) {
         let count = stretch.len();
-        let lengths: Vec<f64> = stretch.iter().map(|(_, _, motion)| length_mm(motion)).collect();
-        let limits: Vec<(f64, f64)> =
-            stretch.iter().map(|(_, _, motion)| self.limits(motion)).collect();
+        let lengths: Vec<f64> = stretch.iter().map(|(_, _, motion)| motion.length_mm()).collect();
+        let limits: Vec<Limits> = stretch
+            .iter()
+            .zip(&lengths)
+            .map(|((_, _, motion), length_mm)| {
+                limits::of(self.machine, motion, *length_mm, self.feed_override)
+            })
+            .collect();
         // Squared speed at the beginning of each block, and at the very end.
         let mut squared = vec![0.0_f64; count + 1];
         for k in 1..count {
-            if !self.stops_between(&stretch[k - 1].2, &stretch[k].2) {
-                squared[k] = limits[k - 1].0.min(limits[k].0).powi(2);
-            }
+            let corner = limits::at_corner(self.machine, &stretch[k - 1].2, &stretch[k].2);
+            squared[k] = corner.min(limits[k - 1].speed_mm_s).min(limits[k].speed_mm_s).powi(2);
         }
+        let gain = |k: usize| 2.0 * limits[k].acceleration_mm_s2 * lengths[k];
         for k in 0..count {
-            squared[k + 1] = squared[k + 1].min(squared[k] + 2.0 * limits[k].1 * lengths[k]);
+            squared[k + 1] = squared[k + 1].min(squared[k] + gain(k));
         }
         for k in (0..count).rev() {
-            squared[k] = squared[k].min(squared[k + 1] + 2.0 * limits[k].1 * lengths[k]);
+            squared[k] = squared[k].min(squared[k + 1] + gain(k));
         }
-        for (k, (line, label, motion)) in stretch.drain(..).enumerate() {
-            let (cruise, acceleration) = limits[k];
-            let profile = Profile::fastest(
-                lengths[k],
-                squared[k].sqrt(),
-                squared[k + 1].sqrt(),
-                cruise,
-                acceleration,
-            );
+        let mut profiles: Vec<Profile> = (0..count)
+            .map(|k| {
+                Profile::fastest(
+                    lengths[k],
+                    squared[k].sqrt(),
+                    squared[k + 1].sqrt(),
+                    limits[k].speed_mm_s,
+                    limits[k].acceleration_mm_s2,
+                )
+            })
+            .collect();
+        let change_s = self.machine.controller().acceleration_change_s;
+        if change_s > 0.0 {
+            let mut start = 0;
+            for k in 0..count {
+                if squared[k + 1] == 0.0 {
+                    let range = start..=k;
+                    let filtered =
+                        bell::filtered(&profiles[range.clone()], &lengths[range.clone()], change_s);
+                    profiles.splice(range, filtered);
+                    start = k + 1;
+                }
+            }
+        }
+        for ((line, label, motion), profile) in stretch.drain(..).zip(profiles) {
             let duration_s = profile.duration_s();
             self.blocks.push(Block {
                 kind: if motion.rapid { BlockKind::Rapid } else { BlockKind::Feed },
@@ -375,7 +311,7 @@ impl Builder<'_> {
                 motion: Some((motion, profile)),
                 sense: self.sense,
             });
-            self.sense = turned(self.sense, &place(&motion, 1.0).1);
+            self.sense = turned(self.sense, &motion.at(1.0).1);
             // An arc may turn a slide round on its way without ending on it: the tangent at the end decides.
             self.at_mm = motion.end_mm;
             self.now_s += duration_s;

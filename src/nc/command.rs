@@ -2,6 +2,7 @@
 
 use super::lex::{Fault, Word};
 use super::modal::{Code, Miscellaneous, Modal, unknown};
+use crate::machine::Dialect;
 
 /// More words than this are no block.
 const MOST_WORDS: usize = 200;
@@ -44,13 +45,19 @@ pub(crate) struct Command<'a> {
     pub(crate) one_shot: Option<(Code, &'a Word)>,
     /// G09.
     pub(crate) exact_stop: bool,
+    /// G64 or G61 of a dialect in which they may have a tolerance, P and Q.
+    pub(crate) tolerance: bool,
     /// The M word.
     pub(crate) miscellaneous: Option<(Miscellaneous, &'a Word)>,
 }
 
 impl<'a> Command<'a> {
     /// Sorts the words of a block and puts its G words and its feed in force.
-    pub(crate) fn new(words: &'a [Word], modal: &mut Modal) -> Result<Self, Fault> {
+    pub(crate) fn new(
+        words: &'a [Word],
+        modal: &mut Modal,
+        dialect: Dialect,
+    ) -> Result<Self, Fault> {
         if let Some(word) = words.get(MOST_WORDS) {
             return Err(Fault::word(word, "the block has too many words"));
         }
@@ -60,13 +67,14 @@ impl<'a> Command<'a> {
             motion: None,
             one_shot: None,
             exact_stop: false,
+            tolerance: false,
             miscellaneous: None,
         };
         let mut groups = 0_u16;
         for (index, word) in words.iter().enumerate() {
             match word.letter {
                 b'G' => {
-                    let code = Code::of(word)?;
+                    let code = Code::of(word, dialect)?;
                     let (group, name) = code.group();
                     if groups & (1 << group) != 0 {
                         return Err(Fault::word(
@@ -78,6 +86,9 @@ impl<'a> Command<'a> {
                     groups |= 1 << group;
                     match code {
                         Code::Motion(_) => command.motion = Some(word),
+                        Code::ExactStopMode(_) => {
+                            command.tolerance = dialect == Dialect::LinuxCnc;
+                        }
                         Code::ExactStop => command.exact_stop = true,
                         Code::Dwell | Code::MachineCoordinates | Code::LookAhead(_) => {
                             command.one_shot = Some((code, word));

@@ -5,6 +5,8 @@
 
 use std::ops::Range;
 
+use crate::machine::Dialect;
+
 /// A number may have this many digits; all of them are exact in an `f64`.
 const MOST_DIGITS: u32 = 15;
 
@@ -96,12 +98,24 @@ pub(crate) enum Piece<'a> {
 pub(crate) struct Lexer<'a> {
     line: &'a str,
     at: usize,
+    dialect: Dialect,
 }
 
 impl<'a> Lexer<'a> {
     /// Begins at the start of a line, which is given without its end of line.
-    pub(crate) fn new(line: &'a str) -> Self {
-        Self { line, at: 0 }
+    pub(crate) fn new(line: &'a str, dialect: Dialect) -> Self {
+        Self { line, at: 0, dialect }
+    }
+
+    /// Goes on behind a fault; false where there is nothing behind it.
+    pub(crate) fn resume(&mut self, fault: &Fault) -> bool {
+        match &fault.span {
+            Some(span) if span.end > span.start && span.end >= self.at => {
+                self.at = span.end;
+                true
+            }
+            _ => false,
+        }
     }
 
     /// The next piece, or none at the end of the block.
@@ -114,6 +128,11 @@ impl<'a> Lexer<'a> {
             b'A'..=b'Z' | b'a'..=b'z' => self.word(byte.to_ascii_uppercase()).map(Some),
             b'(' => self.comment().map(Some),
             b'/' => self.delete().map(Some),
+            b';' if self.dialect == Dialect::LinuxCnc => {
+                let text = self.line[self.at + 1..].trim();
+                self.at = self.line.len();
+                Ok((!text.is_empty()).then_some(Piece::Comment(text)))
+            }
             b';' => self.end_of_block().map(|()| None),
             _ => Err(self.stray()),
         }
@@ -152,7 +171,10 @@ impl<'a> Lexer<'a> {
             self.at += 1;
         }
         let end = if self.at == number { start + 1 } else { self.at };
-        let fault = |what: String| Err(Fault::span(start..end, what));
+        let fault = |what: String| {
+            Err(Fault::span(start..end, what)
+                .hint("an address is followed by one number, such as X-12.345"))
+        };
         let name = char::from(letter);
         if signs > 1 {
             return fault(format!("the number after {name} has more than one sign"));
@@ -247,6 +269,7 @@ impl<'a> Lexer<'a> {
                     .take_while(|b| b.is_ascii_digit() || matches!(b, b'+' | b'-' | b'.'))
                     .count();
                 Fault::span(self.at..self.at + width, "a number without an address letter")
+                    .hint("write the letter in front of it, such as X-12.345")
             }
             '#' | '[' | ']' | '=' | '*' | '<' | '>' => {
                 fault(&format!("`{first}` belongs to a macro, and macros are not followed"))
@@ -272,7 +295,7 @@ mod tests {
     use super::*;
 
     fn only_word(line: &str) -> Word {
-        match Lexer::new(line).piece() {
+        match Lexer::new(line, Dialect::Fanuc).piece() {
             Ok(Some(Piece::Word(word))) => word,
             other => panic!("{line}: {other:?}"),
         }
@@ -321,7 +344,7 @@ mod tests {
             ("X1.0.0", 0..6, "more than one decimal point"),
             ("X1234567890123456", 0..17, "16 digits"),
         ] {
-            let mut lexer = Lexer::new(line);
+            let mut lexer = Lexer::new(line, Dialect::Fanuc);
             let fault = loop {
                 match lexer.piece() {
                     Ok(Some(_)) => {}
@@ -336,7 +359,7 @@ mod tests {
 
     #[test]
     fn a_block_is_words_and_comments_up_to_its_end() {
-        let mut lexer = Lexer::new("/N10G1(TO THE POLE)x-1.5\tY2 ; ");
+        let mut lexer = Lexer::new("/N10G1(TO THE POLE)x-1.5\tY2 ; ", Dialect::Fanuc);
         let mut seen = Vec::new();
         while let Some(piece) = lexer.piece().unwrap() {
             seen.push(match piece {

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 
+use super::Reading;
 use super::lex::{Fault, Lexer, Piece, Word};
 use crate::error::{Error, Place, Result};
 
@@ -16,6 +17,9 @@ pub(crate) struct Line {
     start: usize,
 }
 
+/// What becomes of an error: the reader stops at it, the checker keeps it and goes on.
+pub(crate) type Refuse<'a> = dyn FnMut(Error) -> Result<()> + 'a;
+
 /// A line that says something.
 #[derive(Debug, Clone)]
 pub(crate) struct Block {
@@ -25,6 +29,8 @@ pub(crate) struct Block {
     words: Range<usize>,
     /// Its last comment as an index into [`Listing::labels`]; 0 when it has none.
     pub(crate) label: usize,
+    /// A part of it could not be read and is not among its words.
+    pub(crate) faulty: bool,
 }
 
 /// One program of the file: from its O number to the next.
@@ -41,7 +47,8 @@ pub(crate) struct Section {
 /// A file taken apart, before anything is obeyed.
 #[derive(Debug)]
 pub(crate) struct Listing<'a> {
-    file: &'a Path,
+    /// The file, for messages.
+    pub(crate) file: &'a Path,
     source: &'a str,
     words: Vec<Word>,
     /// All blocks, in the order of the file.
@@ -51,13 +58,20 @@ pub(crate) struct Listing<'a> {
     /// The main program and after it the subprograms.
     pub(crate) sections: Vec<Section>,
     by_number: BTreeMap<u32, usize>,
+    /// Numbers of the lines of the two `%`: 0 and the largest number where there are none.
+    pub(crate) between: (usize, usize),
     /// The last line of a file that begins with `%` and does not end with it.
     pub(crate) unclosed: Option<Line>,
 }
 
 impl<'a> Listing<'a> {
     /// Takes a file apart. Blocks with a slash vanish when block delete is on.
-    pub(crate) fn new(source: &'a str, file: &'a Path, block_delete: bool) -> Result<Self> {
+    pub(crate) fn new(
+        source: &'a str,
+        file: &'a Path,
+        reading: &Reading,
+        refuse: &mut Refuse<'_>,
+    ) -> Result<Self> {
         // Windows editors put this mark in front of a text; it is not part of it.
         let source = source.strip_prefix('\u{feff}').unwrap_or(source);
         if source.trim().is_empty() {
@@ -71,14 +85,17 @@ impl<'a> Listing<'a> {
             labels: vec![String::new()],
             sections: Vec::new(),
             by_number: BTreeMap::new(),
+            between: (0, usize::MAX),
             unclosed: None,
         };
-        let marks = listing.percent_lines()?;
-        let first = marks.first().map_or(0, |mark| mark.number);
-        let last = marks.get(1).map_or(usize::MAX, |mark| mark.number);
+        let marks = listing.percent_lines(refuse)?;
+        listing.between = (
+            marks.first().map_or(0, |mark| mark.number),
+            marks.get(1).map_or(usize::MAX, |mark| mark.number),
+        );
         for line in lines(source) {
-            if line.number > first && line.number < last {
-                listing.line(line, block_delete)?;
+            if line.number > listing.between.0 && line.number < listing.between.1 {
+                listing.line(line, reading, refuse)?;
             }
         }
         if listing.sections.is_empty() {
@@ -105,6 +122,39 @@ impl<'a> Listing<'a> {
         self.by_number.get(&number).copied()
     }
 
+    /// The lines between the two `%`, or all where there are none.
+    pub(crate) fn lines(&self) -> impl Iterator<Item = (Line, &'a str)> {
+        let (first, last) = self.between;
+        lines(self.source)
+            .skip(first)
+            .take_while(move |line| line.number < last)
+            .map(|line| (line, text(self.source, line)))
+    }
+
+    /// All lines of the file.
+    pub(crate) fn all_lines(&self) -> impl Iterator<Item = (Line, &'a str)> {
+        lines(self.source).map(|line| (line, text(self.source, line)))
+    }
+
+    /// How many bytes a program of the file takes.
+    pub(crate) fn bytes_of(&self, section: &Section) -> usize {
+        let blocks = &self.blocks[section.blocks.clone()];
+        let start = blocks.first().map_or(section.last.start, |block| block.line.start);
+        let last = section.last;
+        (last.start + text(self.source, last).len() + 1).saturating_sub(start)
+    }
+
+    /// An error of the file as a whole.
+    pub(crate) fn whole(&self, what: impl Into<String>) -> Error {
+        Error::input(what).at(Place::file(self.file))
+    }
+
+    /// The block that stands in a line.
+    pub(crate) fn block_of(&self, line: usize) -> Option<&Block> {
+        let index = self.blocks.partition_point(|block| block.line.number < line);
+        self.blocks.get(index).filter(|block| block.line.number == line)
+    }
+
     /// A fault with the line in which it is.
     pub(crate) fn locate(&self, line: Line, fault: Fault) -> Error {
         let text = text(self.source, line);
@@ -126,7 +176,7 @@ impl<'a> Listing<'a> {
 
     /// The lines of the first two `%`. What stands before the first is the header of the file, what stands
     /// after the second is none of the control's business.
-    fn percent_lines(&self) -> Result<Vec<Line>> {
+    fn percent_lines(&self, refuse: &mut Refuse<'_>) -> Result<Vec<Line>> {
         let is_mark = |line: &Line| text(self.source, *line).trim_start().starts_with('%');
         let marks: Vec<Line> = lines(self.source).filter(is_mark).take(2).collect();
         if let [mark] = marks[..] {
@@ -136,69 +186,117 @@ impl<'a> Listing<'a> {
                 let fault = Fault::line("the only % of the file stands at its end").hint(
                     "a control skips everything before the first %: begin the file with a line %",
                 );
-                return Err(self.locate(mark, fault));
+                refuse(self.locate(mark, fault))?;
+                return Ok(Vec::new());
             }
         }
         Ok(marks)
     }
 
-    /// Takes one line apart.
-    fn line(&mut self, line: Line, block_delete: bool) -> Result<()> {
+    /// Takes one line apart; of a faulty one the words that could be read are kept.
+    fn line(&mut self, line: Line, reading: &Reading, refuse: &mut Refuse<'_>) -> Result<()> {
         let text = text(self.source, line);
         if text.trim().is_empty() {
             return Ok(());
         }
         let (words, labels) = (self.words.len(), self.labels.len());
         let mut number = None;
-        let mut numbered = false;
-        let mut lexer = Lexer::new(text);
-        loop {
-            let piece = lexer.piece().map_err(|fault| self.locate(line, fault))?;
-            let fresh = self.words.len() == words;
-            match piece {
-                None => break,
-                Some(Piece::Comment(text)) => self.labels.push(text.to_owned()),
-                Some(Piece::Delete(at)) => {
-                    if !fresh || number.is_some() {
-                        let fault =
-                            Fault::span(at..at + 1, "a slash stands in the middle of a block")
-                                .hint("block delete stands at the head of the block");
-                        return Err(self.locate(line, fault));
-                    }
-                    if block_delete {
-                        self.labels.truncate(labels);
-                        return Ok(());
-                    }
-                }
-                Some(Piece::Word(word)) if word.letter == b'O' => {
-                    if !fresh || numbered || number.is_some() {
-                        let fault = Fault::word(&word, "a program number stands inside a block")
-                            .hint("O is the first word of a program");
-                        return Err(self.locate(line, fault));
-                    }
-                    number = Some(word);
-                }
-                Some(Piece::Word(word)) if word.letter == b'N' => {
-                    if !fresh || numbered {
-                        let fault = Fault::word(&word, "a block number stands inside a block")
-                            .hint("N is the first word of a block, and the only one of its kind");
-                        return Err(self.locate(line, fault));
-                    }
-                    if word.whole().is_none() {
-                        let fault =
-                            Fault::word(&word, format!("{} is not a block number", word.name()))
-                                .hint("block numbers are whole numbers from 1 to 99999");
-                        return Err(self.locate(line, fault));
-                    }
-                    numbered = true;
-                }
-                Some(Piece::Word(word)) => self.words.push(word),
+        let mut faulty = false;
+        match self.pieces(text, reading, &mut number) {
+            Ok(true) => {}
+            Ok(false) => {
+                self.words.truncate(words);
+                self.labels.truncate(labels);
+                return Ok(());
+            }
+            Err(fault) => {
+                refuse(self.locate(line, fault))?;
+                faulty = true;
             }
         }
-        self.open_section(line, number).map_err(|fault| self.locate(line, fault))?;
+        if let Err(fault) = self.open_section(line, number) {
+            refuse(self.locate(line, fault))?;
+        }
         let label = if self.labels.len() > labels { self.labels.len() - 1 } else { 0 };
-        if self.words.len() > words || label > 0 {
-            self.blocks.push(Block { line, words: words..self.words.len(), label });
+        if self.words.len() > words || label > 0 || faulty {
+            self.blocks.push(Block { line, words: words..self.words.len(), label, faulty });
+        }
+        Ok(())
+    }
+
+    /// Adds the words and comments of a line; false when block delete skips it. What stands behind a
+    /// fault is read too: of several faults the first is told.
+    fn pieces(
+        &mut self,
+        text: &str,
+        reading: &Reading,
+        number: &mut Option<Word>,
+    ) -> std::result::Result<bool, Fault> {
+        let words = self.words.len();
+        let (mut numbered, mut first) = (false, None);
+        let mut lexer = Lexer::new(text, reading.dialect);
+        loop {
+            let fault = match lexer.piece() {
+                Ok(None) => break,
+                Ok(Some(Piece::Delete(_)))
+                    if self.words.len() == words && number.is_none() && reading.block_delete =>
+                {
+                    return Ok(false);
+                }
+                Ok(Some(piece)) => match self.piece(piece, words, &mut numbered, number) {
+                    Ok(()) => continue,
+                    Err(fault) => fault,
+                },
+                Err(fault) => fault,
+            };
+            let goes_on = lexer.resume(&fault);
+            first.get_or_insert(fault);
+            if !goes_on {
+                break;
+            }
+        }
+        first.map_or(Ok(true), Err)
+    }
+
+    /// Adds a word or a comment of the block whose words begin at index `words`.
+    fn piece(
+        &mut self,
+        piece: Piece<'_>,
+        words: usize,
+        numbered: &mut bool,
+        number: &mut Option<Word>,
+    ) -> std::result::Result<(), Fault> {
+        let fresh = self.words.len() == words;
+        match piece {
+            Piece::Comment(text) => self.labels.push(text.to_owned()),
+            Piece::Delete(at) => {
+                if !fresh || number.is_some() {
+                    return Err(Fault::span(at..at + 1, "a slash stands in the middle of a block")
+                        .hint("block delete stands at the head of the block"));
+                }
+            }
+            Piece::Word(word) if word.letter == b'O' => {
+                if !fresh || *numbered || number.is_some() {
+                    return Err(Fault::word(&word, "a program number stands inside a block")
+                        .hint("O is the first word of a program"));
+                }
+                *number = Some(word);
+            }
+            Piece::Word(word) if word.letter == b'N' => {
+                if !fresh || *numbered {
+                    return Err(Fault::word(&word, "a block number stands inside a block")
+                        .hint("N is the first word of a block, and the only one of its kind"));
+                }
+                if word.whole().is_none() {
+                    return Err(Fault::word(
+                        &word,
+                        format!("{} is not a block number", word.name()),
+                    )
+                    .hint("block numbers are whole numbers from 1 to 99999"));
+                }
+                *numbered = true;
+            }
+            Piece::Word(word) => self.words.push(word),
         }
         Ok(())
     }

@@ -30,6 +30,10 @@
 //! machine may stand anywhere. A coordinate becomes known when it is first commanded absolutely, and a
 //! G00 from a place that is not known in X, Y and Z yields no step, because its duration is not known.
 //!
+//! **LinuxCNC.** With the dialect `linuxcnc` a number counts in millimetres or inches with or without a
+//! point, a dwell is `G04 P` in seconds, `;` begins a comment, G64 and G61 may have P and Q, and G05,
+//! G05.1, G08 and G09 are not known.
+//!
 //! **Numbers.** `X10.` is 10 mm. `X10` is 10 least input increments, 0.010 mm (G20: 0.0010 inch), and so
 //! are I, J, K and R; a dwell `X10` is 10 ms. A feed is mm/min (inch/min) with or without the point.
 //!
@@ -37,6 +41,7 @@
 //! coordinate rotation and scaling, macros. All of them are errors.
 
 mod arc;
+pub mod check;
 mod command;
 mod lex;
 mod listing;
@@ -49,6 +54,7 @@ mod run;
 mod tests;
 mod write;
 
+pub use check::{Checked, Finding, Severity, Sphere, check};
 pub use program::{Action, Move, Path, Program, Step};
 pub use read::{Reading, read, read_file, text_of};
 pub use write::{ReadBack, read_back, write};

@@ -1,6 +1,7 @@
 //! G and M words: what they are called, what excludes what, and what stays in force.
 
 use super::lex::{Fault, Word};
+use crate::machine::Dialect;
 
 /// How many millimetres an inch has.
 const INCH_MM: f64 = 25.4;
@@ -57,7 +58,7 @@ pub(crate) enum Code {
 
 impl Code {
     /// The meaning of a G word.
-    pub(crate) fn of(word: &Word) -> Result<Self, Fault> {
+    pub(crate) fn of(word: &Word, dialect: Dialect) -> Result<Self, Fault> {
         let tenths = (word.value * 10.0).round();
         // G05.1 is a name, not a quantity; G1. or G17.0 is neither.
         let is_name = word.value >= 0.0
@@ -66,7 +67,13 @@ impl Code {
         if !is_name || tenths > 9999.0 {
             return Err(unknown(word));
         }
-        Ok(match tenths as u32 {
+        let tenths = tenths as u32;
+        match (dialect, tenths) {
+            (Dialect::LinuxCnc, 50 | 51 | 80 | 90) => return Err(unknown(word)),
+            (Dialect::LinuxCnc, 611) => return Ok(Self::ExactStopMode(true)),
+            _ => {}
+        }
+        Ok(match tenths {
             0 => Self::Motion(Motion::Rapid),
             10 => Self::Motion(Motion::Line),
             20 => Self::Motion(Motion::Arc { counter_clockwise: false }),
@@ -208,7 +215,8 @@ impl Modal {
     /// Puts a feed in force: mm/min or inch/min, with or without a point.
     pub(crate) fn set_feed(&mut self, word: &Word) -> Result<(), Fault> {
         if word.value < 0.0 {
-            return Err(Fault::word(word, format!("the feed {} is negative", word.value)));
+            return Err(Fault::word(word, format!("the feed {} is negative", word.value))
+                .hint("F is a speed in mm/min or inch/min, never negative"));
         }
         let unit_mm = if self.inch { INCH_MM } else { 1.0 };
         self.feed_mm_s = word.value * unit_mm / 60.0;
@@ -216,8 +224,8 @@ impl Modal {
     }
 
     /// The length that a word of X, Y, Z, I, J, K or R stands for, mm.
-    pub(crate) fn length_mm(&self, word: &Word) -> f64 {
-        match (self.inch, word.point) {
+    pub(crate) fn length_mm(&self, word: &Word, dialect: Dialect) -> f64 {
+        match (self.inch, word.point || dialect == Dialect::LinuxCnc) {
             (false, true) => word.value,
             (false, false) => word.value / 1e3,
             (true, true) => word.value * INCH_MM,
@@ -229,6 +237,9 @@ impl Modal {
 /// A word that this reader does not know, with what is known about it.
 pub(crate) fn unknown(word: &Word) -> Fault {
     let hint = match (word.letter, word.value as u32) {
+        (b'G', 5 | 8 | 9) => {
+            "this control has no such word: take it out, or name the dialect of the program in the machine file"
+        }
         (b'G', 28 | 30) => {
             "where the reference point is and how it is reached is not known here: position with G00 G53"
         }

@@ -34,6 +34,41 @@ impl<'a> Machine<'a> {
         Self { reading, modal: Modal::default(), position: [None; 3] }
     }
 
+    fn length_mm(&self, word: &Word) -> f64 {
+        self.modal.length_mm(word, self.reading.dialect)
+    }
+
+    /// Takes over what a block that could not be followed puts in force and where it leads, as far as
+    /// its words tell.
+    pub(crate) fn assume(&mut self, words: &[Word]) {
+        for word in words {
+            match word.letter {
+                b'G' => {
+                    if let Ok(code) = Code::of(word, self.reading.dialect) {
+                        if matches!(code, Code::Dwell | Code::MachineCoordinates) {
+                            return;
+                        }
+                        self.modal.apply(code);
+                    }
+                }
+                // A negative feed has been told already; without one, every block would be told too.
+                b'F' => drop(self.modal.set_feed(&Word { value: word.value.abs(), ..*word })),
+                _ => {}
+            }
+        }
+        let Some(zero) = self.reading.work_offsets_mm.get(&self.modal.work_offset) else { return };
+        for word in words {
+            let axis = usize::from(word.letter.wrapping_sub(b'X'));
+            let Some(before) = self.position.get(axis).copied() else { continue };
+            let value = self.length_mm(word);
+            self.position[axis] = if self.modal.incremental {
+                before.map(|from| from + value)
+            } else {
+                Some(zero[axis] + value)
+            };
+        }
+    }
+
     /// Obeys the coordinates of a block. None when nothing moves, or when a positioning starts from a
     /// place that is not known.
     pub(crate) fn motion(&mut self, command: &Command) -> Result<Option<Move>, Fault> {
@@ -122,7 +157,7 @@ impl<'a> Machine<'a> {
             let Some(word) = command.coordinate(axis) else {
                 continue;
             };
-            let value = self.modal.length_mm(word);
+            let value = self.length_mm(word);
             *target = Some(if in_machine_coordinates {
                 value
             } else if self.modal.incremental {
@@ -203,7 +238,7 @@ impl<'a> Machine<'a> {
                     .hint("write either I, J, K or R"));
             }
             (None, Some(radius)) => {
-                ends.of_radius(self.modal.length_mm(radius)).map_err(|none| (none, radius))
+                ends.of_radius(self.length_mm(radius)).map_err(|none| (none, radius))
             }
             (Some(first), None) => {
                 if let Some(word) = centers[ends.axis] {
@@ -216,7 +251,7 @@ impl<'a> Machine<'a> {
                         .hint("choose the plane by G17, G18 or G19, or remove the word"));
                 }
                 let offset = Vector3::from_fn(|axis, _| {
-                    centers[axis].map_or(0.0, |word| self.modal.length_mm(word))
+                    centers[axis].map_or(0.0, |word| self.length_mm(word))
                 });
                 ends.about(offset).map_err(|none| (none, first))
             }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Unit, Vector3};
 
 /// The path of a move between its two ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,6 +35,65 @@ pub struct Move {
     pub feed_mm_s: f64,
     /// Exact stop at the end (G61 or G09).
     pub exact_stop: bool,
+}
+
+impl Move {
+    /// Length along the path, mm.
+    pub fn length_mm(&self) -> f64 {
+        let chord = self.end_mm - self.start_mm;
+        match self.path {
+            Path::Line => chord.norm(),
+            Path::Arc { center_mm, axis, sweep_rad } => {
+                let mut radius = self.start_mm - center_mm;
+                radius[axis] = 0.0;
+                (radius.norm() * sweep_rad).hypot(chord[axis])
+            }
+        }
+    }
+
+    /// Position (mm) and unit tangent after a share of the path, 0 to 1.
+    pub fn at(&self, share: f64) -> (Vector3<f64>, Vector3<f64>) {
+        let chord = self.end_mm - self.start_mm;
+        match self.path {
+            Path::Line => (
+                self.start_mm + chord * share,
+                chord.try_normalize(0.0).unwrap_or_else(Vector3::zeros),
+            ),
+            Path::Arc { center_mm, axis, sweep_rad } => {
+                let normal = Unit::new_unchecked(Vector3::ith(axis, 1.0));
+                let mut arm = self.start_mm - center_mm;
+                arm[axis] = 0.0;
+                let mut closing = self.end_mm - center_mm;
+                closing[axis] = 0.0;
+                // Ends that differ from a true circle by rounding are reached by letting the radius glide.
+                let glide = 1.0 + (closing.norm() / arm.norm() - 1.0) * share;
+                let turned = Rotation3::from_axis_angle(&normal, sweep_rad * share) * arm * glide;
+                let lift = normal.into_inner() * chord[axis];
+                let tangent = normal.cross(&turned) * sweep_rad + lift;
+                let mut position = center_mm + turned + lift * share;
+                position[axis] = self.start_mm[axis] + chord[axis] * share;
+                (position, tangent.try_normalize(0.0).unwrap_or_else(Vector3::zeros))
+            }
+        }
+    }
+
+    /// Shares of an arc at which its tangent is normal to an axis of its plane; none on a line.
+    pub fn extreme_shares(&self) -> Vec<f64> {
+        let Path::Arc { center_mm, axis, sweep_rad } = self.path else { return Vec::new() };
+        let arm = self.start_mm - center_mm;
+        let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
+        let start_rad = arm[b].atan2(arm[a]);
+        let quarter = std::f64::consts::FRAC_PI_2;
+        let (first, last) = (start_rad / quarter, (start_rad + sweep_rad) / quarter);
+        let (low, high) = (first.min(last), first.max(last));
+        let mut shares: Vec<f64> = Vec::new();
+        let mut k = (low + 1e-9).ceil();
+        while k < high - 1e-9 {
+            shares.push((k * quarter - start_rad) / sweep_rad);
+            k += 1.0;
+        }
+        shares
+    }
 }
 
 /// What a block makes the machine do.

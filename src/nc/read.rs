@@ -10,16 +10,26 @@ use super::listing::Listing;
 use super::program::Program;
 use super::run;
 use crate::error::{Error, Place, Result};
+use crate::machine::{Dialect, Machine};
 
 /// What a program does not say, but the control knows.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Reading {
+    /// How words are understood.
+    pub dialect: Dialect,
     /// For 54 to 59 (G54 to G59): machine coordinates of the offset's zero, mm.
     pub work_offsets_mm: BTreeMap<u8, Vector3<f64>>,
     /// Block delete is on: blocks that begin with a slash are skipped.
     pub block_delete: bool,
     /// Optional stop is on: M01 stops.
     pub optional_stop: bool,
+}
+
+impl Reading {
+    /// Reading for the control of a machine, no work offset known yet.
+    pub fn of(machine: &Machine) -> Self {
+        Self { dialect: machine.controller().dialect, ..Self::default() }
+    }
 }
 
 /// Reads a program.
@@ -52,8 +62,8 @@ pub(crate) fn read_at_most(
     reading: &Reading,
     most_blocks: usize,
 ) -> Result<Program> {
-    let listing = Listing::new(source, file, reading.block_delete)?;
-    let steps = run::run(&listing, reading, most_blocks)?;
+    let listing = Listing::new(source, file, reading, &mut Err)?;
+    let steps = run::run(&listing, reading, most_blocks, &mut Err)?.steps;
     // After the run, because a file that was cut off lacks its M30 too, and that is the better message.
     if let Some(line) = listing.unclosed {
         let fault = Fault::line("the file begins with % and does not end with it")

@@ -3,11 +3,12 @@
 use super::Reading;
 use super::command::{Command, Letters};
 use super::lex::{Fault, Word};
-use super::listing::{Block, Listing};
+use super::listing::{Block, Line, Listing, Refuse};
 use super::modal::{Code, LookAhead, Miscellaneous};
 use super::position::{ARC, COORDINATES, Machine};
 use super::program::{Action, Step};
 use crate::error::Result;
+use crate::machine::Dialect;
 
 /// A program that runs more blocks than this, or makes more steps, repeats itself without bound.
 pub(crate) const MOST_BLOCKS: usize = 20_000_000;
@@ -36,18 +37,50 @@ enum Next {
     End,
 }
 
-/// Runs the main program of a listing.
-pub(crate) fn run(listing: &Listing, reading: &Reading, most_blocks: usize) -> Result<Vec<Step>> {
+/// Something between two steps that no step tells.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Mark {
+    /// The step that comes after it.
+    pub(crate) step: usize,
+    /// Where it stands.
+    pub(crate) line: Line,
+    /// The word that interrupts the look-ahead; none where a block could not be followed.
+    pub(crate) word: Option<Word>,
+}
+
+/// What running a program yields.
+#[derive(Debug)]
+pub(crate) struct Ran {
+    /// What the machine does.
+    pub(crate) steps: Vec<Step>,
+    /// What stands between, in order.
+    pub(crate) marks: Vec<Mark>,
+    /// For every block of the listing whether it ran.
+    pub(crate) reached: Vec<bool>,
+}
+
+/// Runs the main program of a listing. When `refuse` lets an error pass, the block is left out and the
+/// run goes on.
+pub(crate) fn run(
+    listing: &Listing,
+    reading: &Reading,
+    most_blocks: usize,
+    refuse: &mut Refuse<'_>,
+) -> Result<Ran> {
     let mut runner = Runner {
         listing,
         reading,
         machine: Machine::new(reading),
         label: 0,
-        steps: Vec::with_capacity(listing.blocks.len()),
+        ran: Ran {
+            steps: Vec::with_capacity(listing.blocks.len()),
+            marks: Vec::new(),
+            reached: vec![false; listing.blocks.len()],
+        },
         calls: vec![Call { section: 0, next: listing.sections[0].blocks.start, again: 0 }],
     };
-    runner.run(most_blocks)?;
-    Ok(runner.steps)
+    runner.run(most_blocks, refuse)?;
+    Ok(runner.ran)
 }
 
 struct Runner<'a> {
@@ -56,30 +89,38 @@ struct Runner<'a> {
     machine: Machine<'a>,
     /// The last comment that was run through.
     label: usize,
-    steps: Vec<Step>,
+    ran: Ran,
     /// The main program, and above it the subprograms that are running.
     calls: Vec<Call>,
 }
 
 impl Runner<'_> {
-    fn run(&mut self, most_blocks: usize) -> Result<()> {
+    fn run(&mut self, most_blocks: usize, refuse: &mut Refuse<'_>) -> Result<()> {
         let listing = self.listing;
         let mut ran = 0;
         while let Some(call) = self.calls.last_mut() {
             let section = &listing.sections[call.section];
             if call.next >= section.blocks.end {
-                return Err(listing.locate(section.last, self.no_end()));
+                return refuse(listing.locate(section.last, self.no_end()));
             }
             let block = &listing.blocks[call.next];
+            self.ran.reached[call.next] = true;
             call.next += 1;
             ran += 1;
-            let done = if ran > most_blocks || self.steps.len() > most_blocks {
-                Err(Fault::line(format!("the program runs more than {most_blocks} blocks"))
-                    .hint("look for a subprogram that is repeated too often: L of M98"))
-            } else {
-                self.block(block)
+            if ran > most_blocks || self.ran.steps.len() > most_blocks {
+                let fault = Fault::line(format!("the program runs more than {most_blocks} blocks"))
+                    .hint("look for a subprogram that is repeated too often: L of M98");
+                return refuse(listing.locate(block.line, fault));
+            }
+            let next = match self.block(block) {
+                Ok(next) if !block.faulty => next,
+                Ok(_) => self.guess(block),
+                Err(fault) => {
+                    refuse(listing.locate(block.line, fault))?;
+                    self.guess(block)
+                }
             };
-            match done.map_err(|fault| listing.locate(block.line, fault))? {
+            match next {
                 Next::Block => {}
                 Next::Call(call) => self.calls.push(call),
                 Next::Return => self.leave(),
@@ -101,6 +142,28 @@ impl Runner<'_> {
         }
     }
 
+    /// What a block that cannot be followed was meant to do: where it leads, and whether the program
+    /// leaves.
+    fn guess(&mut self, block: &Block) -> Next {
+        let words = self.listing.words(block);
+        self.machine.assume(words);
+        self.mark(block, None);
+        let function =
+            |word: &Word| (word.letter == b'M').then(|| Miscellaneous::of(word).ok()).flatten();
+        let leaves = |word: &Word| {
+            matches!(function(word), Some(Miscellaneous::End | Miscellaneous::Return))
+        };
+        match words.iter().find(|word| leaves(word)).and_then(function) {
+            Some(Miscellaneous::Return) if self.calls.len() > 1 => Next::Return,
+            Some(_) => Next::End,
+            None => Next::Block,
+        }
+    }
+
+    fn mark(&mut self, block: &Block, word: Option<Word>) {
+        self.ran.marks.push(Mark { step: self.ran.steps.len(), line: block.line, word });
+    }
+
     /// The file goes on no further, but the program has not ended.
     fn no_end(&self) -> Fault {
         let section = self.calls.last().map_or(0, |call| call.section);
@@ -117,7 +180,7 @@ impl Runner<'_> {
     }
 
     fn step(&mut self, block: &Block, action: Action) {
-        self.steps.push(Step { line: block.line.number, label: self.label, action });
+        self.ran.steps.push(Step { line: block.line.number, label: self.label, action });
     }
 
     fn block(&mut self, block: &Block) -> std::result::Result<Next, Fault> {
@@ -125,13 +188,13 @@ impl Runner<'_> {
             self.label = block.label;
         }
         let words = self.listing.words(block);
-        if words.is_empty() {
+        if words.is_empty() || block.faulty {
             return Ok(Next::Block);
         }
-        let command = Command::new(words, &mut self.machine.modal)?;
+        let command = Command::new(words, &mut self.machine.modal, self.reading.dialect)?;
         match command.one_shot {
             Some((Code::Dwell, word)) => {
-                let seconds = dwell(&command, word)?;
+                let seconds = dwell(&command, word, self.reading.dialect)?;
                 self.step(block, Action::Dwell { seconds });
             }
             Some((Code::LookAhead(function), word)) => look_ahead(&command, function, word)?,
@@ -140,7 +203,13 @@ impl Runner<'_> {
                 if let Some((Miscellaneous::Call, _)) = command.miscellaneous {
                     letters = letters.and(Letters::of(b"PL"));
                 }
+                if command.tolerance {
+                    letters = letters.and(Letters::of(b"PQ"));
+                }
                 command.allow_only(letters)?;
+                if let Some((_, word)) = command.one_shot {
+                    self.mark(block, Some(*word));
+                }
                 if let Some(motion) = self.machine.motion(&command)? {
                     self.step(block, Action::Move(motion));
                 }
@@ -163,7 +232,7 @@ impl Runner<'_> {
             Miscellaneous::OptionalStop if self.reading.optional_stop => {
                 self.step(block, Action::Stop);
             }
-            Miscellaneous::OptionalStop | Miscellaneous::NoMotion => {}
+            Miscellaneous::OptionalStop | Miscellaneous::NoMotion => self.mark(block, Some(*word)),
             Miscellaneous::End => {
                 self.step(block, Action::End);
                 return Ok(Next::End);
@@ -209,22 +278,31 @@ impl Runner<'_> {
 }
 
 /// The duration of G04, s.
-fn dwell(command: &Command, word: &Word) -> std::result::Result<f64, Fault> {
-    const TIMES: Letters = Letters::of(b"PXU");
-    const HINT: &str = "write G04 P2000 or G04 X2.0 for two seconds, alone in a block";
+fn dwell(command: &Command, word: &Word, dialect: Dialect) -> std::result::Result<f64, Fault> {
+    let (times, hint) = match dialect {
+        Dialect::Fanuc => {
+            (Letters::of(b"PXU"), "write G04 P2000 or G04 X2.0 for two seconds, alone in a block")
+        }
+        Dialect::LinuxCnc => {
+            (Letters::of(b"P"), "write G04 P2.0 for two seconds, alone in a block")
+        }
+    };
     if let Some(other) = command.motion.or(command.jump()) {
         return Err(
-            Fault::word(other, format!("{} beside {}", other.name(), word.name())).hint(HINT)
+            Fault::word(other, format!("{} beside {}", other.name(), word.name())).hint(hint)
         );
     }
-    command.allow_only(ANYWHERE.and(TIMES))?;
+    command.allow_only(ANYWHERE.and(times))?;
     let given: Vec<&Word> =
         [b'P', b'X', b'U'].into_iter().filter_map(|letter| command.word(letter)).collect();
     let [time] = given[..] else {
-        return Err(Fault::word(word, "a dwell needs one time, by P, X or U").hint(HINT));
+        return Err(Fault::word(word, "a dwell needs one time").hint(hint));
     };
     if time.value < 0.0 {
-        return Err(Fault::word(time, "the time of a dwell is negative").hint(HINT));
+        return Err(Fault::word(time, "the time of a dwell is negative").hint(hint));
+    }
+    if dialect == Dialect::LinuxCnc {
+        return Ok(time.value);
     }
     if !time.point {
         return Ok(time.value / 1e3);

@@ -1,20 +1,62 @@
-//! Writing a planned path as a Fanuc program.
+//! Writing a planned path as a program of the control.
 
 use askama::Template;
 use nalgebra::Vector3;
 
 use super::{Action, Program};
 use crate::error::{Error, Kind, Result};
-use crate::machine::{Controller, Machine};
+use crate::machine::{Controller, Dialect, Machine};
 use crate::plan::{Path, Step, Test};
+
+/// A program before it is put into the words of a dialect, line by line; `N` numbers include their blank.
+enum Line {
+    Comment(String),
+    /// A point of an arc, without a number.
+    Chord(String),
+    /// A number, and words that every dialect has.
+    Block(String, String),
+    /// Cutting mode: no stop at the end of a block.
+    Cutting(String),
+    Dwell(String, Seconds),
+    Call(String, u32),
+    End(String),
+    /// A subprogram begins.
+    Subprogram(u32, String),
+    Return(String),
+}
+
+/// How long a dwell lasts, s.
+struct Seconds(f64);
+
+impl Seconds {
+    /// In whole milliseconds, as a Fanuc counts.
+    fn milliseconds(&self) -> String {
+        format!("{:.0}", self.0 * 1000.0)
+    }
+
+    /// In seconds, as LinuxCNC counts.
+    fn decimal(&self) -> String {
+        format!("{:.3}", self.0)
+    }
+}
 
 #[derive(Template)]
 #[template(path = "fanuc.nc", escape = "none")]
-struct Fanuc {
-    number: String,
-    title: String,
-    header: Vec<String>,
-    blocks: Vec<String>,
+struct Fanuc<'a> {
+    number: &'a str,
+    title: &'a str,
+    header: &'a [String],
+    lines: &'a [Line],
+}
+
+/// With G64 alone, LinuxCNC would round the corners as far as its acceleration asks for.
+#[derive(Template)]
+#[template(path = "linuxcnc.nc", escape = "none")]
+struct LinuxCnc<'a> {
+    number: &'a str,
+    title: &'a str,
+    header: &'a [String],
+    lines: &'a [Line],
 }
 
 /// The program of a path: header with machine, test and hash of the test file, safe start, G64, the
@@ -23,12 +65,55 @@ struct Fanuc {
 /// Chord blocks carry no N number: there are more of them than numbers. Every axis word has a decimal
 /// point, because without one it counts in least increments. Coordinates are those of the mounting's
 /// work offset, whose zero is the workpiece ball.
+///
+/// A program larger than the control's memory is divided: every arc and every transit becomes a
+/// subprogram behind the main program, in the same file.
+///
+/// # Errors
+/// When a single arc is larger than the memory, or there are no program numbers left for the arcs.
 pub fn write(test: &Test, machine: &Machine, path: &Path) -> Result<String> {
+    let whole = render(test, machine, path, None)?;
+    let Some(memory_bytes) = machine.controller().memory_bytes.filter(|size| *size < whole.len())
+    else {
+        return Ok(whole);
+    };
+    let plan = test.plan()?;
+    // Behind the main programs of all mountings, so that all fit into one control.
+    let legs = path.arcs.len() as u32;
+    let first = plan.program_number + test.mountings().len() as u32 + path.mounting as u32 * legs;
+    if first + legs > LARGEST_NUMBER + 1 {
+        return Err(Error::input(format!(
+            "the {legs} arcs of the program would need the numbers O{first} to O{}",
+            first + legs - 1
+        ))
+        .hint(format!("numbers go to {LARGEST_NUMBER}: choose a smaller `program_number`")));
+    }
+    let divided = render(test, machine, path, Some(first))?;
+    let largest = divided.split("\nO").map(|part| part.len() + 1).max().unwrap_or(0);
+    if largest > memory_bytes {
+        return Err(Error::input(format!(
+            "an arc alone takes {} KB, and the control's memory is {} KB",
+            largest.div_ceil(1024),
+            memory_bytes / 1024
+        ))
+        .hint(
+            "allow more `chord_sag_um`, or run the program from a card and leave `memory_kb` out",
+        ));
+    }
+    Ok(divided)
+}
+
+/// Largest program number that is free for users.
+const LARGEST_NUMBER: u32 = 7999;
+
+fn render(test: &Test, machine: &Machine, path: &Path, subprograms: Option<u32>) -> Result<String> {
     let plan = test.plan()?;
     let mounting = &test.mountings()[path.mounting];
     let mut writer = Writer {
         controller: machine.controller(),
-        blocks: Vec::new(),
+        lines: Vec::new(),
+        subprograms: Vec::new(),
+        next: subprograms,
         sequence: 0,
         at: None,
         feed: number(plan.feed_mm_s * 60.0),
@@ -37,37 +122,37 @@ pub fn write(test: &Test, machine: &Machine, path: &Path) -> Result<String> {
     };
     writer.block("G21 G17 G90 G94 G40 G49 G80");
     writer.block(&format!("G{}", mounting.work_offset));
-    writer.block("G64");
-    for step in &path.steps {
-        writer.step(step);
-    }
-    writer.block("M30");
+    let n = writer.n();
+    writer.lines.push(Line::Cutting(n));
+    writer.steps(&path.steps);
+    let n = writer.n();
+    writer.lines.push(Line::End(n));
+    writer.lines.append(&mut writer.subprograms);
     let comment = |text: String| writer.comment(&text);
     let offset = &mounting.mounting.coincidence_mm;
-    let program = Fanuc {
-        number: format!("{:04}", plan.program_number + path.mounting as u32),
-        title: comment(format!(
-            "BALL-BAR {} R{} F{}",
-            plan.strategy_name(),
-            number(mounting.bar_length_mm).trim_end_matches('.'),
-            number(plan.feed_mm_s * 60.0).trim_end_matches('.')
+    let number_of = format!("{:04}", plan.program_number + path.mounting as u32);
+    let title = comment(format!(
+        "BALL-BAR {} R{} F{}",
+        plan.strategy_name(),
+        number(mounting.bar_length_mm).trim_end_matches('.'),
+        number(plan.feed_mm_s * 60.0).trim_end_matches('.')
+    ));
+    let header = [
+        comment(format!("MACHINE {}", machine.name())),
+        comment(format!("TEST {}", test.name())),
+        comment(format!("SHA256 {}", &test.hash()[..16])),
+        comment(format!(
+            "MOUNTING {} - G{} ZERO IS THE WORKPIECE BALL",
+            mounting.name, mounting.work_offset
         )),
-        header: vec![
-            comment(format!("MACHINE {}", machine.name())),
-            comment(format!("TEST {}", test.name())),
-            comment(format!("SHA256 {}", &test.hash()[..16])),
-            comment(format!(
-                "MOUNTING {} - G{} ZERO IS THE WORKPIECE BALL",
-                mounting.name, mounting.work_offset
-            )),
-            comment(format!(
-                "MACHINE COORDINATES X{:.3} Y{:.3} Z{:.3}",
-                offset.x, offset.y, offset.z
-            )),
-        ],
-        blocks: writer.blocks,
+        comment(format!("MACHINE COORDINATES X{:.3} Y{:.3} Z{:.3}", offset.x, offset.y, offset.z)),
+    ];
+    let (number, title, header, lines) = (&*number_of, &*title, &header[..], &writer.lines[..]);
+    let rendered = match machine.controller().dialect {
+        Dialect::Fanuc => Fanuc { number, title, header, lines }.render(),
+        Dialect::LinuxCnc => LinuxCnc { number, title, header, lines }.render(),
     };
-    let mut text = program.render().map_err(|error| {
+    let mut text = rendered.map_err(|error| {
         Error::new(Kind::Output, format!("the program template cannot be filled: {error}"))
     })?;
     if !text.ends_with('\n') {
@@ -84,28 +169,76 @@ fn number(value: f64) -> String {
 
 struct Writer<'a> {
     controller: &'a Controller,
-    blocks: Vec<String>,
+    lines: Vec<Line>,
+    subprograms: Vec<Line>,
+    /// The number of the next subprogram, if arcs are subprograms.
+    next: Option<u32>,
     sequence: u32,
-    /// The words of the last position.
-    at: Option<[String; 3]>,
+    /// The last position, in units of the last decimal.
+    at: Option<[i64; 3]>,
     feed: String,
     feeding: bool,
     feed_written: bool,
 }
 
 impl Writer<'_> {
-    fn block(&mut self, words: &str) {
+    /// The number of the next block with its blank, or nothing.
+    fn n(&mut self) -> String {
         let step = self.controller.sequence_step;
+        if step == 0 {
+            return String::new();
+        }
         self.sequence += step;
         // N goes to 99999 and begins anew then; the control does not mind.
         if self.sequence > 99_999 {
             self.sequence = step;
         }
-        let block = match step {
-            0 => words.to_owned(),
-            _ => format!("N{} {words}", self.sequence),
-        };
-        self.blocks.push(block);
+        format!("N{} ", self.sequence)
+    }
+
+    fn block(&mut self, words: &str) {
+        let n = self.n();
+        self.lines.push(Line::Block(n, words.to_owned()));
+    }
+
+    /// All steps; an arc from its comment to the end of its look-ahead may go into a subprogram.
+    fn steps(&mut self, steps: &[Step]) {
+        let mut rest = steps;
+        while let Some((step, after)) = rest.split_first() {
+            let arc = match (self.next, rest) {
+                (
+                    Some(number),
+                    [
+                        Step::Comment(name),
+                        on @ Step::LookAhead(_),
+                        chords @ Step::Chords(_),
+                        off @ Step::LookAhead(_),
+                        ..,
+                    ],
+                ) => Some((number, name, [on, chords, off])),
+                _ => None,
+            };
+            let Some((number, name, arc)) = arc else {
+                self.step(step);
+                rest = after;
+                continue;
+            };
+            let n = self.n();
+            self.lines.push(Line::Call(n, number));
+            let main = std::mem::take(&mut self.lines);
+            self.lines.push(Line::Subprogram(number, self.comment(name)));
+            self.feeding = false;
+            for step in arc {
+                self.step(step);
+            }
+            let n = self.n();
+            self.lines.push(Line::Return(n));
+            let mut subprogram = std::mem::replace(&mut self.lines, main);
+            self.subprograms.append(&mut subprogram);
+            self.feeding = false;
+            self.next = Some(number + 1);
+            rest = &rest[4..];
+        }
     }
 
     /// Upper case, and only characters that the machine file allows.
@@ -119,49 +252,77 @@ impl Writer<'_> {
             .collect()
     }
 
-    /// The three axis words of a point, rounded, never a negative zero.
-    fn words(&self, point: &Vector3<f64>) -> [String; 3] {
-        let decimals = self.controller.decimals;
-        [('X', point.x), ('Y', point.y), ('Z', point.z)].map(|(letter, value)| {
-            let text = format!("{value:.decimals$}");
-            let zero = text.trim_start_matches('-').chars().all(|c| c == '0' || c == '.');
-            format!("{letter}{}", if zero { text.trim_start_matches('-') } else { &text })
-        })
+    /// A point in units of the last decimal.
+    fn rounded(&self, point: &Vector3<f64>) -> [i64; 3] {
+        let unit = 10_f64.powi(self.controller.decimals as i32);
+        [point.x, point.y, point.z].map(|value| (value * unit).round() as i64)
+    }
+
+    /// The three axis words of a rounded point behind what is there; zero has no sign.
+    fn words(&self, mut text: String, rounded: &[i64; 3]) -> String {
+        text.reserve(40);
+        for (letter, value) in ["X", " Y", " Z"].into_iter().zip(*rounded) {
+            text.push_str(letter);
+            if value < 0 {
+                text.push('-');
+            }
+            // Digits from the last; formatting by the library makes the whole seven times slower.
+            let mut digits = [b'0'; 24];
+            let (mut left, mut at) = (value.unsigned_abs(), digits.len());
+            while at > digits.len() - self.controller.decimals - 2 || left > 0 {
+                at -= 1;
+                if digits.len() - at == self.controller.decimals + 1 {
+                    digits[at] = b'.';
+                } else {
+                    digits[at] = b'0' + (left % 10) as u8;
+                    left /= 10;
+                }
+            }
+            text.extend(digits[at..].iter().map(|digit| char::from(*digit)));
+        }
+        text
     }
 
     fn step(&mut self, step: &Step) {
         match step {
             Step::Comment(text) => {
                 let comment = self.comment(text);
-                self.blocks.push(format!("({comment})"));
+                self.lines.push(Line::Comment(comment));
             }
             Step::Rapid(point) => {
-                let words = self.words(point);
-                self.block(&format!("G00 {}", words.join(" ")));
-                self.at = Some(words);
+                let rounded = self.rounded(point);
+                self.block(&self.words("G00 ".to_owned(), &rounded));
+                self.at = Some(rounded);
                 self.feeding = false;
             }
             Step::Feed(point) => {
-                let words = self.words(point);
-                let feed =
-                    if self.feed_written { String::new() } else { format!(" F{}", self.feed) };
-                self.block(&format!("G01 {}{feed}", words.join(" ")));
-                (self.at, self.feeding, self.feed_written) = (Some(words), true, true);
+                let rounded = self.rounded(point);
+                let mut words = self.words("G01 ".to_owned(), &rounded);
+                if !self.feed_written {
+                    words += " F";
+                    words += &self.feed;
+                }
+                self.block(&words);
+                (self.at, self.feeding, self.feed_written) = (Some(rounded), true, true);
             }
             Step::Chords(points) => {
                 for point in points {
-                    let words = self.words(point);
+                    let rounded = self.rounded(point);
                     // Points that rounding makes one are one.
-                    if self.at.as_ref() == Some(&words) {
+                    if self.at == Some(rounded) {
                         continue;
                     }
                     let mode = if self.feeding { "" } else { "G01 " };
-                    self.blocks.push(format!("{mode}{}", words.join(" ")));
+                    let words = self.words(mode.to_owned(), &rounded);
+                    self.lines.push(Line::Chord(words));
                     self.feeding = true;
-                    self.at = Some(words);
+                    self.at = Some(rounded);
                 }
             }
-            Step::Dwell(seconds) => self.block(&format!("G04 P{:.0}", seconds * 1000.0)),
+            Step::Dwell(seconds) => {
+                let n = self.n();
+                self.lines.push(Line::Dwell(n, Seconds(*seconds)));
+            }
             Step::Stop(text) => {
                 let comment = self.comment(text);
                 self.block(&format!("M00 ({comment})"));

@@ -20,6 +20,7 @@ mod mountings;
 mod numbers;
 mod outlook;
 mod paper;
+mod path_plot;
 mod proposal;
 mod samples;
 mod svg;
@@ -44,6 +45,7 @@ pub use outlook::{
     UnseenTerm, VolumeFacts, plan_page, plan_summary,
 };
 pub use paper::{nearest_text, paper_json, paper_page, paper_text};
+pub use path_plot::path_page;
 pub use proposal::{proposal_json, proposal_text, unseen_of};
 pub use samples::{write_aligned, write_samples};
 pub use terminal::{runs_table, summary};

@@ -4,7 +4,9 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 
-use crate::identify::{Comparison, Nearest, Row, Seen, StrategyRows};
+use crate::identify::{
+    Comparison, Nearest, PAPER_READINGS, PAPER_TEST_S, PaperTime, Row, Seen, StrategyRows,
+};
 
 /// Rounded to three significant digits, in powers of ten where it is large.
 fn rounded(value: f64) -> String {
@@ -156,10 +158,49 @@ pub fn paper_page(paper: &Comparison, nearest: Option<&Nearest>) -> String {
     for row in &paper.mountings {
         let _ = writeln!(page, "| {} | {} | {} |", row.what, row.of_53, row.of_90);
     }
+    page.push_str(&times_page(&paper.times));
     if let Some(nearest) = nearest {
         page.push_str(&nearest_page(nearest));
     }
     page
+}
+
+fn times_page(times: &[PaperTime]) -> String {
+    let minutes = |seconds: f64| format!("{:.1}", seconds / 60.0);
+    let mut text = String::from(TIMES);
+    for time in times {
+        let _ = writeln!(
+            text,
+            "| {} | {} | {} | {:.1} | {} | {} |",
+            time.what,
+            minutes(time.arcs_s),
+            minutes(time.transits_s),
+            time.feed_in_s / 60.0,
+            minutes(time.dwells_s),
+            minutes(time.total_s())
+        );
+    }
+    let _ = writeln!(
+        text,
+        "\nThe paper's test took {:.0} min and gave {} readings, {:.2} a second over the whole of it. To take as long,\n",
+        PAPER_TEST_S / 60.0,
+        PAPER_READINGS,
+        PAPER_READINGS / PAPER_TEST_S
+    );
+    for time in times {
+        let _ = writeln!(
+            text,
+            "- {}: each of the {} arcs would overshoot by {:.0} deg at both ends, or each of the {} pauses would be {:.0} s longer; over the arcs alone the readings are {:.1} a second.",
+            time.what,
+            time.legs,
+            time.overshoot_deg(),
+            time.pauses,
+            time.longer_pauses_s(),
+            time.readings_on_arcs_per_s()
+        );
+    }
+    text.push_str(TIMES_MEAN);
+    text
 }
 
 fn markdown(rows: &[Row]) -> String {
@@ -261,6 +302,17 @@ pub fn paper_json(paper: &Comparison, nearest: Option<&Nearest>) -> Value {
         "mountings": paper.mountings.iter().map(|row| json!({
             "what": row.what, "of_53": row.of_53, "of_90": row.of_90,
         })).collect::<Vec<_>>(),
+        "times": paper.times.iter().map(|time| json!({
+            "what": time.what,
+            "arcs_s": time.arcs_s,
+            "transits_s": time.transits_s,
+            "feed_in_s": time.feed_in_s,
+            "dwells_s": time.dwells_s,
+            "total_s": time.total_s(),
+            "overshoot_to_37_min_deg": time.overshoot_deg(),
+            "longer_pauses_to_37_min_s": time.longer_pauses_s(),
+            "readings_on_arcs_per_s": time.readings_on_arcs_per_s(),
+        })).collect::<Vec<_>>(),
         "nearest": nearest.map(|nearest| json!({
             "volume": {
                 "range_mm": nearest.volume.range_mm,
@@ -317,6 +369,24 @@ mounting brings three set-up errors of its own, which are not counted. Three pla
 
 | mountings | of 53 | of 90 |
 | --- | --- | --- |
+";
+
+const TIMES: &str = "
+## How long the test takes
+
+3D6 at 500 mm/min with a bar of 150 mm, dwells of 3 s between arcs, arcs in both directions, as `ballbar time` estimates
+it, in minutes:
+
+| driven | arcs | transits | feed-in and -out | dwells | all |
+| --- | --- | --- | --- | --- | --- |
+";
+
+const TIMES_MEAN: &str = "
+So half meridians with a few seconds between them do not take 37 minutes, whatever the accelerations. An overshoot of half
+a turn at both ends, common in circular tests, comes to it within a minute on half meridians, and one of a quarter of a
+turn within two on whole circles. The 2.7 readings a second then are those of the whole 37 minutes, with overshoots,
+transits and pauses: a log that runs on. The paper states neither; pauses of that length after every arc, for the
+operator, would explain as much.
 ";
 
 const SEARCH: &str = "

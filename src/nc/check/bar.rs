@@ -1,0 +1,379 @@
+//! Rules of the ball-bar: reach, engagement, sphere, chords, what stands inside an arc, release.
+
+use super::{Findings, Sphere};
+use crate::error::Error;
+use crate::machine::{Axis, Machine};
+use crate::nc::lex::{Fault, Word};
+use crate::nc::listing::{Line, Listing};
+use crate::nc::program::{Action, Move, Path, Step};
+use crate::nc::run::{Mark, Ran};
+
+/// A radial move keeps within this angle of the radius: its cosine, 5 degrees.
+const RADIAL: f64 = 0.996;
+
+/// A point of an arc that is off by more was not rounded but mistyped, mm.
+const OFF_SPHERE_MM: f64 = 0.01;
+
+/// Largest sagitta without a plan that says otherwise, mm: a few times what a bar resolves.
+const SAG_MM: f64 = 1e-3;
+
+/// What interrupts the motion between two moves.
+#[derive(Debug, Clone, Copy)]
+struct Pause {
+    line: usize,
+    label: usize,
+    word: Option<Word>,
+    /// It only slows the arc down, and does not end it.
+    dwell: bool,
+}
+
+pub(super) fn check(
+    listing: &Listing,
+    ran: &Ran,
+    machine: &Machine,
+    sphere: &Sphere,
+    findings: &mut Findings,
+) {
+    let mut walk = Walk {
+        listing,
+        machine,
+        sphere,
+        findings,
+        bar: Bar::Never,
+        stopped: false,
+        moved: [false; 3],
+        before: None,
+        pause: None,
+        gap: false,
+        last: 0,
+    };
+    let mut marks = ran.marks.iter().peekable();
+    for (index, step) in ran.steps.iter().enumerate() {
+        while let Some(mark) = marks.next_if(|mark| mark.step <= index) {
+            walk.mark(mark);
+        }
+        walk.step(step);
+    }
+    walk.end();
+}
+
+/// What became of the bar so far.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Bar {
+    Never,
+    Engaged,
+    Released,
+}
+
+struct Walk<'a, 'b> {
+    listing: &'a Listing<'b>,
+    machine: &'a Machine,
+    sphere: &'a Sphere,
+    findings: &'a mut Findings,
+    bar: Bar,
+    /// The operator could fit the bar.
+    stopped: bool,
+    moved: [bool; 3],
+    /// The last move, and its label, if the bar was engaged all along it.
+    before: Option<(Move, usize)>,
+    pause: Option<Pause>,
+    /// A block in between could not be followed: what leads on from it is not judged.
+    gap: bool,
+    last: usize,
+}
+
+impl Walk<'_, '_> {
+    fn error_of(&self, line: usize, what: String) -> Error {
+        match self.listing.block_of(line) {
+            Some(block) => self.listing.locate(block.line, Fault::line(what)),
+            None => self.listing.whole(what),
+        }
+    }
+
+    fn mark(&mut self, mark: &Mark) {
+        match mark.word {
+            None => self.gap = true,
+            Some(word) => {
+                let label = self.before.map_or(0, |(_, label)| label);
+                let Line { number, .. } = mark.line;
+                let pause = Pause { line: number, label, word: Some(word), dwell: false };
+                self.pause.get_or_insert(pause);
+            }
+        }
+    }
+
+    fn step(&mut self, step: &Step) {
+        self.last = step.line;
+        let pause = |dwell| Pause { line: step.line, label: step.label, word: None, dwell };
+        match &step.action {
+            Action::Move(motion) if motion.rapid => self.rapid(step, motion),
+            Action::Move(motion) => self.feed(step, motion),
+            Action::Dwell { .. } => drop(self.pause.get_or_insert(pause(true))),
+            Action::Stop => {
+                self.stopped = true;
+                self.pause = Some(pause(false));
+            }
+            Action::End => {}
+        }
+        if let Action::Move(motion) = &step.action {
+            let chord = motion.end_mm - motion.start_mm;
+            for (moved, along) in self.moved.iter_mut().zip(chord.iter()) {
+                *moved |= along.abs() > 1e-9;
+            }
+            self.pause = None;
+            self.gap = false;
+        }
+    }
+
+    fn rapid(&mut self, step: &Step, motion: &Move) {
+        let reach_mm = self.sphere.length_mm + self.sphere.range_mm;
+        let [straight_mm, _] = self.sphere.distances_mm(motion);
+        if straight_mm <= reach_mm && !self.gap {
+            let what = format!(
+                "positioning passes {straight_mm:.3} mm from the workpiece ball, within the reach of the bar, {reach_mm:.3} mm"
+            );
+            let error = self.error_of(step.line, what);
+            self.findings.error(
+                "rapid-in-reach",
+                error.hint("position outside of the reach, and move inside it at feed"),
+            );
+        } else if !self.gap
+            && let Some(nearest_mm) =
+                self.sphere.dog_leg_mm(motion, self.machine).filter(|near| *near <= reach_mm)
+        {
+            let what = format!(
+                "positioning passes {nearest_mm:.3} mm from the workpiece ball where every axis goes at its own rapid traverse"
+            );
+            let error = self.error_of(step.line, what);
+            self.findings.warning(
+                "rapid-in-reach",
+                error.hint("a Fanuc positions in a straight line only if a parameter says so (LRP): go in two blocks"),
+            );
+        }
+        if self.bar == Bar::Engaged {
+            self.bar = Bar::Released;
+        }
+        self.before = None;
+    }
+
+    fn feed(&mut self, step: &Step, motion: &Move) {
+        let start_mm = self.sphere.distance_mm(&motion.start_mm);
+        let end_mm = self.sphere.distance_mm(&motion.end_mm);
+        let inside = self.sphere.reads(end_mm);
+        if self.bar != Bar::Engaged {
+            if inside {
+                self.engage(step, motion, start_mm);
+            }
+            self.before = None;
+            return;
+        }
+        if inside {
+            self.along(step, motion);
+        } else if end_mm > self.sphere.length_mm && self.radial(motion) {
+            self.bar = Bar::Released;
+            self.before = None;
+        } else {
+            self.leaves(step, end_mm);
+            self.before = None;
+        }
+    }
+
+    /// Whether a move leads along the radius.
+    fn radial(&self, motion: &Move) -> bool {
+        let radius = motion.end_mm - self.sphere.centre_mm;
+        let chord = motion.end_mm - motion.start_mm;
+        radius.dot(&chord).abs() > RADIAL * radius.norm() * chord.norm()
+    }
+
+    fn engage(&mut self, step: &Step, motion: &Move, start_mm: f64) {
+        let first = std::mem::replace(&mut self.bar, Bar::Engaged) == Bar::Never;
+        if self.gap {
+            return;
+        }
+        let unmoved: Vec<String> = Axis::ALL
+            .into_iter()
+            .filter(|axis| !self.moved[axis.index()])
+            .map(|axis| axis.to_string())
+            .collect();
+        let mut told: Vec<(&'static str, String, &'static str)> = Vec::new();
+        if !unmoved.is_empty() {
+            told.push((
+                "sense",
+                format!("{} has not moved when the bar engages", unmoved.join(" and ")),
+                "its hysteresis is on an unknown side until it turns round: approach with every axis moving",
+            ));
+        }
+        if self.sphere.reads(start_mm) || !self.radial(motion) {
+            told.push((
+                "engagement",
+                "the bar does not engage along the radius".to_owned(),
+                "feed in from outside the range of the bar along the radius: the moment that the bar \
+                 begins to read ties the log to the program",
+            ));
+        }
+        if first && !self.stopped {
+            told.push((
+                "fit",
+                "no M00 before the bar engages".to_owned(),
+                "stop outside of the range, so that the bar can be fitted",
+            ));
+        }
+        for (rule, what, hint) in told {
+            let error = self.error_of(step.line, what);
+            self.findings.warning(rule, error.hint(hint));
+        }
+    }
+
+    fn leaves(&mut self, step: &Step, distance_mm: f64) {
+        if self.gap {
+            return;
+        }
+        let over_mm = distance_mm - self.sphere.length_mm;
+        let what = format!(
+            "the path leaves the sphere: the bar would be {:.3} mm {} and reads {} mm",
+            over_mm.abs(),
+            if over_mm > 0.0 { "longer" } else { "shorter" },
+            self.sphere.range_mm
+        );
+        let error = self.error_of(step.line, what);
+        self.findings.error(
+            "sphere",
+            error.hint(
+                "check the coordinates of this block; feed out along the radius to release the bar",
+            ),
+        );
+    }
+
+    /// A move with the bar engaged at both ends.
+    fn along(&mut self, step: &Step, motion: &Move) {
+        let length_mm = self.sphere.length_mm;
+        let [least_mm, most_mm] = self.sphere.distances_mm(motion);
+        let worst_mm = if length_mm - least_mm > most_mm - length_mm { least_mm } else { most_mm };
+        let continues = self.before.filter(|_| !self.gap);
+        if !self.sphere.reads(worst_mm) {
+            self.leaves(step, worst_mm);
+        } else if !self.gap && !self.radial(motion) {
+            self.on_arc(step, motion, worst_mm);
+        }
+        if let Some((before, label)) = continues {
+            let cosine = before.at(1.0).1.dot(&motion.at(0.0).1).clamp(-1.0, 1.0);
+            let corner_rad = cosine.acos();
+            let goes_on = corner_rad <= self.machine.controller().corner_stop_rad;
+            match self.pause {
+                Some(pause) if goes_on && (pause.label == step.label || label == step.label) => {
+                    self.inside_arc(pause);
+                }
+                None if !goes_on && !self.radial(motion) && !self.radial(&before) => {
+                    let what =
+                        format!("a corner of {:.0} degrees on the sphere", corner_rad.to_degrees());
+                    let error = self.error_of(step.line, what);
+                    self.findings.warning(
+                        "corner",
+                        error.hint("check the coordinates of this block and the last; arcs are divided by a dwell"),
+                    );
+                }
+                _ => {}
+            }
+        }
+        self.before = Some((*motion, step.label));
+    }
+
+    /// A chord or an arc that stays on the sphere.
+    fn on_arc(&mut self, step: &Step, motion: &Move, worst_mm: f64) {
+        let controller = self.machine.controller();
+        let chord_mm = motion.length_mm();
+        let length_mm = self.sphere.length_mm;
+        let line = motion.path == Path::Line;
+        let sag_mm = if line { chord_mm * chord_mm / (8.0 * length_mm) } else { 0.0 };
+        // A chord that is rounded at both ends sags a little more than planned.
+        let allowed_mm = self.sphere.chord_sag_mm.map_or(SAG_MM, |sag| sag * 1.05 + 1e-5);
+        let ends_mm = [&motion.start_mm, &motion.end_mm]
+            .map(|point| (self.sphere.distance_mm(point) - length_mm).abs());
+        let off_mm = if line { ends_mm[1] } else { (worst_mm - length_mm).abs() };
+        let needs_s = chord_mm / motion.feed_mm_s;
+        let mut told: Vec<(&'static str, String, String)> = Vec::new();
+        if off_mm > OFF_SPHERE_MM {
+            told.push((
+                "off-sphere",
+                format!("the path is {:.1} um off the sphere", off_mm * 1e3),
+                "check the coordinates of this block: the bar reads a mistyped point as an error of the machine".to_owned(),
+            ));
+        }
+        if sag_mm > allowed_mm {
+            told.push((
+                "sag",
+                format!("the chord sags {:.2} um", sag_mm * 1e3),
+                format!("{:.2} um were planned: divide the arc more finely", allowed_mm * 1e3),
+            ));
+        }
+        if motion.exact_stop && line {
+            told.push((
+                "exact-stop",
+                "exact stop at every chord".to_owned(),
+                "write G64: with G61 or G09 the machine stops at the end of each block".to_owned(),
+            ));
+        }
+        if needs_s < controller.block_time_s * (1.0 - 1e-9) {
+            told.push((
+                "block-rate",
+                format!(
+                    "the block lasts {:.2} ms, and the control needs {:.2} ms for one",
+                    needs_s * 1e3,
+                    controller.block_time_s * 1e3
+                ),
+                "the control cannot keep the feed: lower it, or allow more sag".to_owned(),
+            ));
+        }
+        if let Some(planned) = self.sphere.feed_mm_s
+            && (motion.feed_mm_s - planned).abs() > 1e-3 * planned
+        {
+            told.push((
+                "feed",
+                format!("an arc at {:.1} mm/min", motion.feed_mm_s * 60.0),
+                format!("the test file says {:.1} mm/min", planned * 60.0),
+            ));
+        }
+        for (rule, what, hint) in told {
+            let error = self.error_of(step.line, what);
+            self.findings.warning(rule, error.hint(hint));
+        }
+    }
+
+    fn inside_arc(&mut self, pause: Pause) {
+        let name = match (pause.word, pause.dwell) {
+            (Some(word), _) => word.name(),
+            (None, true) => "a dwell".to_owned(),
+            (None, false) => "a stop".to_owned(),
+        };
+        let error = match (pause.word, self.listing.block_of(pause.line)) {
+            (Some(word), Some(block)) => {
+                self.listing.locate(block.line, Fault::word(&word, format!("{name} inside an arc")))
+            }
+            _ => self.error_of(pause.line, format!("{name} inside an arc")),
+        };
+        let error = error.hint(
+            "it ends the look-ahead, and the arc is driven in two pieces: move it to the end of the arc",
+        );
+        if pause.word.is_none() && !pause.dwell {
+            self.findings.error("inside-arc", error);
+        } else {
+            self.findings.warning("inside-arc", error);
+        }
+    }
+
+    fn end(&mut self) {
+        if self.bar == Bar::Never {
+            let error = self.listing.whole("the bar never engages").hint(
+                "no feed move ends on the sphere: check the work offset, the mounting and the length of the bar",
+            );
+            self.findings.error("engagement", error);
+        } else if self.bar == Bar::Engaged {
+            let error =
+                self.error_of(self.last, "the program ends with the bar engaged".to_owned());
+            self.findings.error(
+                "release",
+                error.hint("feed out along the radius beyond the range of the bar before the end"),
+            );
+        }
+    }
+}

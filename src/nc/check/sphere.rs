@@ -1,0 +1,89 @@
+//! The sphere that the bar spans, and how near a move comes to its middle.
+
+use nalgebra::Vector3;
+
+use crate::machine::{Axis, Machine};
+use crate::nc::program::{Move, Path};
+use crate::plan::Test;
+
+/// The ball-bar that a program is held against.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sphere {
+    /// The workpiece ball: machine coordinates at which both ball centres coincide, mm.
+    pub centre_mm: Vector3<f64>,
+    /// Nominal length of the bar, mm.
+    pub length_mm: f64,
+    /// The bar reads this much either way, mm.
+    pub range_mm: f64,
+    /// Largest sagitta of a chord that was planned, mm.
+    pub chord_sag_mm: Option<f64>,
+    /// Feed on the arcs that was planned, mm/s.
+    pub feed_mm_s: Option<f64>,
+}
+
+impl Sphere {
+    /// The bar of a test in one of its mountings.
+    pub fn of(test: &Test, mounting: usize) -> Option<Self> {
+        let plan = test.plan().ok();
+        Some(Self {
+            centre_mm: test.mountings().get(mounting)?.mounting.coincidence_mm,
+            length_mm: test.ball_bar().length_mm,
+            range_mm: test.ball_bar().range_mm,
+            chord_sag_mm: plan.map(|plan| plan.chord_sag_mm),
+            feed_mm_s: plan.map(|plan| plan.feed_mm_s),
+        })
+    }
+
+    pub(super) fn distance_mm(&self, point_mm: &Vector3<f64>) -> f64 {
+        (point_mm - self.centre_mm).norm()
+    }
+
+    pub(super) fn reads(&self, distance_mm: f64) -> bool {
+        (distance_mm - self.length_mm).abs() <= self.range_mm
+    }
+
+    /// Least and largest distance of a move from the workpiece ball, mm.
+    pub(super) fn distances_mm(&self, motion: &Move) -> [f64; 2] {
+        let ends = [self.distance_mm(&motion.start_mm), self.distance_mm(&motion.end_mm)];
+        let between = match motion.path {
+            Path::Line => {
+                let chord = motion.end_mm - motion.start_mm;
+                let share = (self.centre_mm - motion.start_mm).dot(&chord) / chord.norm_squared();
+                vec![self.distance_mm(&(motion.start_mm + chord * share.clamp(0.0, 1.0)))]
+            }
+            Path::Arc { sweep_rad, .. } => {
+                let pieces = sweep_rad.to_degrees().abs().ceil().max(1.0);
+                let at = |k: usize| motion.at(k as f64 / pieces).0;
+                (1..pieces as usize).map(|k| self.distance_mm(&at(k))).collect()
+            }
+        };
+        let all = ends.into_iter().chain(between);
+        all.fold([f64::INFINITY, 0.0], |[low, high], d| [low.min(d), high.max(d)])
+    }
+
+    /// Least distance when every axis goes at its own rapid traverse and stops when it is there, mm.
+    pub(super) fn dog_leg_mm(&self, motion: &Move, machine: &Machine) -> Option<f64> {
+        let chord = motion.end_mm - motion.start_mm;
+        let speeds = Axis::ALL.map(|axis| machine.slide(axis).rapid_mm_s);
+        let needs = |k: usize| chord[k].abs() / speeds[k];
+        let mut times = [needs(0), needs(1), needs(2)];
+        times.sort_by(f64::total_cmp);
+        let at = |time_s: f64| {
+            Vector3::from_fn(|k, _| {
+                let share = if needs(k) > 0.0 { (time_s / needs(k)).min(1.0) } else { 1.0 };
+                motion.start_mm[k] + chord[k] * share
+            })
+        };
+        let mut from = motion.start_mm;
+        let mut nearest_mm = f64::INFINITY;
+        for time_s in times {
+            let to = at(time_s);
+            if (to - from).norm() > 1e-9 {
+                let piece = Move { start_mm: from, end_mm: to, path: Path::Line, ..*motion };
+                nearest_mm = nearest_mm.min(self.distances_mm(&piece)[0]);
+            }
+            from = to;
+        }
+        nearest_mm.is_finite().then_some(nearest_mm)
+    }
+}

@@ -1,0 +1,89 @@
+//! `ballbar check` and `ballbar time` as they are typed.
+
+use crate::work::Work;
+
+const PLAN: &str = "[plan]\nstrategy = \"2d\"\nfeed_mm_min = 500.0\n";
+
+/// A test, its program, and the same program edited.
+fn written(from: &str, to: &str) -> Work {
+    let work = Work::new();
+    work.machine("name", "name").test(PLAN);
+    work.ballbar(&["program", "test.toml"]).done();
+    let program = std::fs::read_to_string(work.path("results/O1001.nc")).unwrap();
+    std::fs::remove_dir_all(work.path("results")).unwrap();
+    assert!(program.contains(from), "{from}");
+    work.write("edited.nc", program.replacen(from, to, 1)).write("O1001.nc", program);
+    work
+}
+
+#[test]
+fn a_program_as_written_passes_with_and_without_its_test() {
+    let work = written("M30", "M30");
+    for on in [["--test", "test.toml"], ["--machine", "machine.toml"]] {
+        let outcome = work.ballbar(&["check", "O1001.nc", on[0], on[1]]).done();
+        assert_eq!(outcome.stdout(), "");
+        assert!(outcome.stderr().contains("0 error(s), 0 warning(s)"), "{}", outcome.stderr());
+        let left_out = outcome.stderr().contains("without --test");
+        assert_eq!(left_out, on[0] == "--machine");
+    }
+}
+
+#[test]
+fn errors_make_the_exit_code_one_and_warnings_do_not() {
+    let work = written("X150.000 ", "X150000 ");
+    let outcome = work.ballbar(&["check", "edited.nc", "--machine", "machine.toml"]);
+    assert_eq!(outcome.code(), 1);
+    insta::assert_snapshot!(outcome.stdout() + "---\n" + &outcome.stderr());
+    let work = written("(RELEASE)", "(Release)");
+    let outcome = work.ballbar(&["check", "edited.nc", "--test", "test.toml"]).done();
+    assert!(outcome.stdout().starts_with("warning: `e` in a comment"), "{}", outcome.stdout());
+}
+
+#[test]
+fn findings_are_there_for_other_programs() {
+    let work = written("G64", "G61");
+    let outcome = work.ballbar(&["check", "edited.nc", "--test", "test.toml", "--json"]).done();
+    let told: serde_json::Value = serde_json::from_str(&outcome.stdout()).unwrap();
+    let finding = &told["findings"][0];
+    assert_eq!((&finding["severity"], &finding["rule"]), (&"warning".into(), &"exact-stop".into()));
+    assert_eq!(finding["line"], 20);
+    assert!(finding["block"].as_str().unwrap().starts_with("G01 X149.99"));
+    assert_eq!(
+        told["warnings"].as_u64().unwrap(),
+        3 + finding["more"].as_u64().unwrap_or(0) + told["findings"][2]["more"].as_u64().unwrap()
+    );
+    assert_eq!((&told["errors"], &told["sphere_checked"]), (&0.into(), &true.into()));
+}
+
+#[test]
+fn the_picture_shows_every_arc_and_needs_a_test() {
+    let work = written("M30", "M30");
+    let arguments = ["check", "O1001.nc", "--test", "test.toml", "--plot"];
+    assert_eq!(work.ballbar(&arguments).done().files(), ["O1001-path.html"]);
+    let page = std::fs::read_to_string(work.path("results/O1001-path.html")).unwrap();
+    for name in
+        ["EQUATOR CCW", "MERIDIAN 90 BACKWARD", "TRANSIT", "class=\"stop\"", "class=\"speed\""]
+    {
+        assert!(page.contains(name), "{name}");
+    }
+    let outcome = work.ballbar(&["check", "O1001.nc", "--machine", "machine.toml", "--plot"]);
+    assert_eq!(outcome.code(), 2);
+}
+
+#[test]
+fn the_time_is_that_of_the_plan() {
+    let work = written("M30", "M30");
+    let planned = work.ballbar(&["program", "test.toml", "--json"]).done().stdout();
+    let timed = work.ballbar(&["time", "O1001.nc", "--machine", "machine.toml", "--json"]).done();
+    let planned: serde_json::Value = serde_json::from_str(&planned).unwrap();
+    let timed: serde_json::Value = serde_json::from_str(&timed.stdout()).unwrap();
+    for key in ["feed_s", "dwell_s", "rapid_s", "operator_stops"] {
+        let near = planned[0][key].as_f64().unwrap() - timed[key].as_f64().unwrap();
+        assert!(near.abs() < 1e-6, "{key}: the work offset makes no difference");
+    }
+    let equator = &timed["by_comment"].as_array().unwrap();
+    let equator = equator.iter().find(|part| part["comment"] == "EQUATOR CCW").unwrap();
+    // A turn of 150 mm at 500 mm/min, 17 ms to get to speed and to stand, and a dwell of 3 s.
+    let expected = std::f64::consts::TAU * 150.0 / (500.0 / 60.0) + 0.017 + 3.0;
+    assert!((equator["duration_s"].as_f64().unwrap() - expected).abs() < 0.01);
+}

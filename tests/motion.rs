@@ -1,0 +1,149 @@
+//! Times and speeds of short programs against what can be worked out by hand.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use ballbar::machine::Machine;
+use ballbar::motion::Trajectory;
+use ballbar::nc::{self, Reading};
+use nalgebra::Vector3;
+
+/// A machine with 500 mm/s² along the path and further keys of its X axis and its control.
+fn machine(axis_x: &str, controller: &str) -> Machine {
+    let axis = |name: &str, keys: &str| {
+        format!(
+            "[axes.{name}]\ntravel_mm = [-500.0, 500.0]\nrapid_mm_min = 12000.0\n\
+             acceleration_mm_s2 = 500.0\n{keys}\n"
+        )
+    };
+    let text = format!(
+        "name = \"M\"\ntopology = \"wFXYZt\"\n{}{}{}[controller]\n{controller}\n",
+        axis("X", axis_x),
+        axis("Y", ""),
+        axis("Z", "")
+    );
+    Machine::parse(&text, "m.toml".as_ref()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn driven(machine: &Machine, blocks: &str) -> Trajectory {
+    let mut reading = Reading::of(machine);
+    reading.work_offsets_mm.insert(54, Vector3::zeros());
+    let source = format!("G90 G00 X0. Y0. Z0.\n{blocks}\nM30\n");
+    Trajectory::new(&nc::read(&source, "p.nc".as_ref(), &reading).unwrap(), machine, 1.0)
+}
+
+fn fastest_mm_s(trajectory: &Trajectory) -> f64 {
+    let steps = 20_000;
+    let at = |k| trajectory.at(trajectory.end_s() * f64::from(k) / f64::from(steps));
+    (0..=steps).map(|k| at(k).velocity_mm_s.norm()).fold(0.0, f64::max)
+}
+
+#[track_caller]
+fn assert_near(found: f64, expected: f64) {
+    assert!((found - expected).abs() < 1e-6 * expected, "{found} is not {expected}");
+}
+
+/// From rest to rest over a length.
+fn trapezoid_s(length_mm: f64, speed_mm_s: f64, acceleration_mm_s2: f64) -> f64 {
+    length_mm / speed_mm_s + speed_mm_s / acceleration_mm_s2
+}
+
+const DIAGONAL: &str = "G01 X30. Y40. F1200.";
+
+#[test]
+fn the_slowest_axis_limits_the_feed_along_the_path() {
+    assert_near(driven(&machine("", ""), DIAGONAL).end_s(), trapezoid_s(50.0, 20.0, 500.0));
+    // X makes 0.6 of the way: 6 mm/s of X are 10 mm/s of the path.
+    let slow = machine("max_feed_mm_min = 360.0", "");
+    assert_near(driven(&slow, DIAGONAL).end_s(), trapezoid_s(50.0, 10.0, 500.0));
+    assert_near(driven(&slow, "G01 Y50. F1200.").end_s(), trapezoid_s(50.0, 20.0, 500.0));
+}
+
+#[test]
+fn the_weakest_axis_limits_the_acceleration_along_the_path() {
+    let weak = machine("feed_acceleration_mm_s2 = 60.0", "");
+    assert_near(driven(&weak, DIAGONAL).end_s(), trapezoid_s(50.0, 20.0, 100.0));
+    // Along Y only the acceleration of the path counts.
+    assert_near(driven(&weak, "G01 Y50. F1200.").end_s(), trapezoid_s(50.0, 20.0, 500.0));
+    // On an arc of 10 mm, v² / r is the acceleration across.
+    let arc = driven(&weak, "G01 X0. Y-10. F6000.\nG03 X10. Y0. I0. J10.");
+    let inside = arc.blocks().last().unwrap();
+    let speeds = (1..100).map(|k| {
+        let time_s = inside.start_s + inside.duration_s * f64::from(k) / 100.0;
+        arc.at(time_s).velocity_mm_s.norm()
+    });
+    let fastest = speeds.fold(0.0, f64::max);
+    assert!(fastest <= 600_f64.sqrt() + 1e-9, "{fastest}");
+}
+
+#[test]
+fn a_corner_is_taken_so_fast_that_no_axis_jumps_by_more_than_its_step() {
+    for (corner_deg, jump) in [(90.0_f64, 1.0), (20.0, 20_f64.to_radians().sin())] {
+        let keys = "corner_speed_step_mm_min = 120.0\ncorner_stop_deg = 180.0";
+        let (sine, cosine) = corner_deg.to_radians().sin_cos();
+        let (x, y) = (50.0 + 50.0 * cosine, 50.0 * sine);
+        let blocks = format!("G01 X50. F1200.\nX{x:.6} Y{y:.6}");
+        let trajectory = driven(&machine("", keys), &blocks);
+        let corner = &trajectory.blocks()[1];
+        let speed = trajectory.at(corner.start_s + 1e-9).velocity_mm_s.norm();
+        assert!((speed - 2.0 / jump).abs() < 1e-4, "{speed} at {corner_deg} degrees");
+    }
+    // Without the key, 20 degrees cost nothing and 90 are a stop.
+    let straight = driven(&machine("", ""), "G01 X50. F1200.\nX96.984631 Y17.101007");
+    assert!((straight.end_s() - trapezoid_s(100.0, 20.0, 500.0)).abs() < 1e-6);
+    let stop = driven(&machine("", ""), "G01 X50. F1200.\nY50.");
+    assert_near(stop.end_s(), 2.0 * trapezoid_s(50.0, 20.0, 500.0));
+}
+
+#[test]
+fn a_rounded_corner_is_driven_with_the_acceleration_of_the_path_across_it() {
+    let machine = machine("", "corner_tolerance_um = 10.0\ncorner_stop_deg = 180.0");
+    let trajectory = driven(&machine, "G01 X50. F1200.\nY50.");
+    let corner = &trajectory.blocks()[1];
+    let speed = trajectory.at(corner.start_s + 1e-9).velocity_mm_s.norm();
+    // An arc of 90 degrees that stays within 0.01 mm of its corner has a radius of 0.024142 mm.
+    assert!((speed - (500.0_f64 * 0.024_142_136).sqrt()).abs() < 1e-4, "{speed}");
+}
+
+#[test]
+fn short_blocks_last_the_block_time() {
+    let blocks: Vec<String> =
+        (1..=100).map(|k| format!("G01 X{:.1} F1200.", f64::from(k) * 0.1)).collect();
+    let blocks = blocks.join("\n");
+    let quick = driven(&machine("", ""), &blocks);
+    assert_near(fastest_mm_s(&quick), 20.0);
+    let slow = driven(&machine("", "block_time_ms = 20.0"), &blocks);
+    assert_near(fastest_mm_s(&slow), 5.0);
+    assert_near(slow.end_s(), trapezoid_s(10.0, 5.0, 500.0));
+}
+
+#[test]
+fn bell_shaped_acceleration_adds_its_time_to_every_stretch_and_nothing_else() {
+    let blocks = "G01 X20. F1200.\nX40.\nG04 P1000\nY20.\nG61 Y10.\nY0.";
+    let plain = driven(&machine("", ""), blocks);
+    let bell = driven(&machine("", "acceleration_change_ms = 40.0"), blocks);
+    // Four stretches from rest to rest: two blocks as one, and three that end with a stop.
+    assert!((bell.end_s() - plain.end_s() - 4.0 * 0.04).abs() < 1e-9);
+    let (mut fastest_change, mut before) = (0.0_f64, None::<f64>);
+    let step_s = 1e-4;
+    for k in 1..(bell.end_s() / step_s) as usize - 1 {
+        let speed = |k: usize| bell.at(k as f64 * step_s).velocity_mm_s.norm();
+        let acceleration = (speed(k + 1) - speed(k)) / step_s;
+        if let Some(before) = before {
+            fastest_change = fastest_change.max((acceleration - before).abs() / step_s);
+        }
+        before = Some(acceleration);
+    }
+    // The speed over 40 ms: 500 mm/s² build up at 12500 mm/s³.
+    assert!(fastest_change < 12_500.0 * 1.01, "{fastest_change}");
+    let place = |trajectory: &Trajectory| trajectory.at(trajectory.end_s()).position_mm;
+    assert!((place(&bell) - place(&plain)).norm() < 1e-9);
+}
+
+#[test]
+fn exact_stop_stops_at_every_block() {
+    let chords = "X1.\nX2.\nX3.\nX4.";
+    let through = driven(&machine("", ""), &format!("G01 F600.\n{chords}"));
+    assert_near(through.end_s(), trapezoid_s(4.0, 10.0, 500.0));
+    let stopping = driven(&machine("", ""), &format!("G61 G01 F600.\n{chords}"));
+    assert_near(stopping.end_s(), 4.0 * trapezoid_s(1.0, 10.0, 500.0));
+}

@@ -1,0 +1,93 @@
+//! LinuxCNC's stand-alone interpreter, where it is installed; `.ci/run` installs it and asks for it.
+
+use std::process::Command;
+
+/// What the interpreter makes of a program.
+pub(crate) struct Canon {
+    /// End points of moves in program coordinates, mm.
+    pub(crate) ends_mm: Vec<[f64; 3]>,
+    /// Sum of the dwells, s.
+    pub(crate) dwell_s: f64,
+    /// How often it stops.
+    pub(crate) stops: usize,
+    /// It came to M30.
+    pub(crate) ended: bool,
+}
+
+/// Whether an outside tool can be run. In CI it must be.
+pub(crate) fn installed(tool: &str) -> bool {
+    let found = Command::new("sh").args(["-c", &format!("command -v {tool}")]).output();
+    found_or_skipped(found.is_ok_and(|output| output.status.success()), tool)
+}
+
+/// Whether an outside package lies in a directory.
+#[allow(dead_code)]
+pub(crate) fn present(package: &str, directory: &std::path::Path) -> bool {
+    found_or_skipped(directory.join(package).is_dir(), package)
+}
+
+fn found_or_skipped(found: bool, tool: &str) -> bool {
+    if found {
+        return true;
+    }
+    assert!(
+        std::env::var_os("BALLBAR_OUTSIDE_TOOLS").is_none(),
+        "{tool} is not installed, and BALLBAR_OUTSIDE_TOOLS asks for it"
+    );
+    println!("skipped: {tool} is not installed; .ci/run installs it");
+    false
+}
+
+/// Interprets a program; the error is the interpreter's own message.
+pub(crate) fn interpret(program: &str) -> Result<Canon, String> {
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("program.ngc");
+    std::fs::write(&file, program).unwrap();
+    let output = Command::new("rs274").arg("-g").arg(&file).output().unwrap();
+    if !output.status.success() {
+        let told = String::from_utf8_lossy(&output.stderr).replace("executing\n", "");
+        return Err(told.lines().next().unwrap_or("no message").to_owned());
+    }
+    let mut canon = Canon { ends_mm: Vec::new(), dwell_s: 0.0, stops: 0, ended: false };
+    for line in String::from_utf8_lossy(&output.stdout).lines() {
+        let Some((call, rest)) = line.split_once('(') else { continue };
+        let numbers = || {
+            let inside = rest.trim_end_matches(')').split(',');
+            inside.map(|number| number.trim().parse::<f64>().unwrap()).collect::<Vec<_>>()
+        };
+        match call.rsplit(' ').next().unwrap_or("") {
+            "STRAIGHT_FEED" | "STRAIGHT_TRAVERSE" => {
+                let at = numbers();
+                canon.ends_mm.push([at[0], at[1], at[2]]);
+            }
+            "DWELL" => canon.dwell_s += numbers()[0],
+            "PROGRAM_STOP" => canon.stops += 1,
+            "PROGRAM_END" => canon.ended = true,
+            _ => {}
+        }
+    }
+    Ok(canon)
+}
+
+/// The words in which a Fanuc and LinuxCNC differ, as LinuxCNC writes them: dwells count in seconds by P,
+/// and the look-ahead has no words.
+pub(crate) fn translated(fanuc: &str) -> String {
+    let block = |line: &str| {
+        if line.contains("G05") || line.contains("G08 P") {
+            return String::new();
+        }
+        match line.split_once("G04 P") {
+            Some((head, ms)) if !ms.contains('.') && !line.starts_with('(') => {
+                let digits = ms.find(|c: char| !c.is_ascii_digit()).unwrap_or(ms.len());
+                match ms[..digits].parse::<f64>() {
+                    Ok(ms_value) => {
+                        format!("{head}G04 P{:.3}{}", ms_value / 1e3, &ms[digits..])
+                    }
+                    Err(_) => line.to_owned(),
+                }
+            }
+            _ => line.to_owned(),
+        }
+    };
+    fanuc.lines().map(|line| block(line) + "\n").collect()
+}
