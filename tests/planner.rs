@@ -140,9 +140,19 @@ fn planned_s(program: &str, directory: &Path) -> (f64, u64) {
     let result = directory.join("result.json");
     std::fs::write(&file, program).unwrap();
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/planner/run");
-    let output = Command::new("bash").arg(script).args([&file, &result]).output().unwrap();
-    let told = std::fs::read_to_string(&result).unwrap_or_default();
-    assert!(output.status.success(), "{told} {}", String::from_utf8_lossy(&output.stderr));
+    // Twenty times faster than time, its threads may starve where others compute: it may try again.
+    let run = || {
+        let output = Command::new("bash").arg(&script).args([&file, &result]).output().unwrap();
+        let told = std::fs::read_to_string(&result).unwrap_or_default();
+        (output.status.success(), told, String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (mut done, mut told, mut complaint) = run();
+    for _ in 0..2 {
+        if !done {
+            (done, told, complaint) = run();
+        }
+    }
+    assert!(done, "{told} {complaint}");
     let told: serde_json::Value = serde_json::from_str(&told).unwrap();
     (told["motion_s"].as_f64().unwrap(), told["stops"].as_u64().unwrap())
 }

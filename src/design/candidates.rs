@@ -31,7 +31,7 @@ pub struct SetUpCandidate {
 }
 
 /// Candidate arcs, each driven both ways: parallels, meridians over the pole and up to it, and tilted
-/// half circles, a step apart. With a step of 15 degrees they are 211.
+/// half circles, a step apart. With a step of 15 degrees they are 189.
 pub fn candidate_arcs(step_rad: f64) -> Vec<Arc> {
     let steps = |from: f64, to: f64, step: f64| {
         let count = ((to - from) / step + 1e-9).floor().max(0.0) as usize;

@@ -100,9 +100,9 @@ impl Measured {
         self.test.mountings().get(last.mounting).map(|named| named.name.as_str())
     }
 
-    /// The test that was analysed.
-    pub fn test(&self) -> &Test {
-        &self.test
+    /// Long-run variance of a reading as the analysis found it, mm².
+    pub fn variance_mm2(&self) -> f64 {
+        self.variance_mm2
     }
 
     /// Adds what the runs tell about the coefficients, the set-up errors of every run unknown.

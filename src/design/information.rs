@@ -13,10 +13,10 @@ use rayon::prelude::*;
 use super::candidates::SetUpCandidate;
 use super::volume::Volume;
 use crate::error::Result;
-use crate::identify::{ideal_poses, stated_noise};
+use crate::identify::ideal_poses;
 use crate::machine::Machine;
 use crate::model::{Coefficient, Situation, Term};
-use crate::plan::{Arc, BallBar};
+use crate::plan::Arc;
 use crate::solve::{Choice, Matrix, Truncation, Tsqr, low_rank_factor};
 
 /// Points of a half circle, each way.
@@ -78,21 +78,21 @@ impl Basis {
         row
     }
 
-    /// What an arc tells in a set-up.
+    /// What an arc tells in a set-up, with this long-run variance of a reading.
     pub(super) fn information(
         &self,
         machine: &Machine,
         set_up: &SetUpCandidate,
         arc: &Arc,
-        bar: &BallBar,
+        sample_rate_hz: f64,
         feed_mm_s: f64,
+        variance_mm2: f64,
     ) -> Matrix {
         let rows: Vec<Vec<f64>> =
             Self::situations(machine, set_up, arc).map(|at| self.row(&at)).collect();
         let length_mm = arc.circle_radius_mm(set_up.bar_mm) * arc.sweep_rad.abs();
-        let samples = 2.0 * length_mm / feed_mm_s * bar.sample_rate_hz;
-        let variance = stated_noise(bar).long_run_variance();
-        let weight = (samples / rows.len() as f64 / variance).sqrt();
+        let samples = 2.0 * length_mm / feed_mm_s * sample_rate_hz;
+        let weight = (samples / rows.len() as f64 / variance_mm2).sqrt();
         let columns = self.coefficients.len() + SET_UPS;
         let by_column = Matrix::from_fn(columns, rows.len(), |k, i| rows[i][k] * weight);
         low_rank_factor(&by_column.times_own_transpose(), NEGLIGIBLE)

@@ -1,6 +1,8 @@
 //! What a test will see before it is run, and which test sees most.
 
 mod candidates;
+mod choosable;
+mod filling;
 mod given;
 mod information;
 mod ordering;
@@ -9,6 +11,7 @@ mod planned;
 mod proposal;
 mod relaxed;
 mod search;
+mod set_up_choice;
 mod volume;
 mod written;
 

@@ -24,12 +24,6 @@ use crate::solve::{Cholesky, Matrix};
 
 /// Power of the mean that stands for the worst point.
 pub(super) const POWER: i32 = 4;
-/// An exchange gains at least this part of the value.
-const WORTH: f64 = 1e-3;
-/// Gains that are looked at, at the most, while arcs are exchanged: some seconds' worth.
-const LOOKS: usize = 24_000;
-/// So many choices of set-ups are looked at one by one; of more, the best is built up step by step.
-const MOST_CHOICES: usize = 600;
 /// So many of them are filled with arcs.
 const FILLED: usize = 1;
 
@@ -99,32 +93,11 @@ pub(super) fn power_mean(values: &[f64]) -> f64 {
     (sum / values.len().max(1) as f64).powf(f64::from(POWER).recip())
 }
 
-/// Arcs that were chosen so far.
-#[derive(Debug, Clone)]
-struct Filling {
-    arcs: Vec<usize>,
-    information: Matrix,
-    left_s: f64,
-}
-
-/// Set-ups, and the arcs in them that are worth looking at.
-struct Support<'a> {
-    set_ups: &'a [usize],
-    arcs: &'a [usize],
-}
-
-/// By what an arc is chosen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Weight {
-    Gain,
-    GainASecond,
-}
-
 /// What holds for all candidates of one step.
-struct Step {
+pub(super) struct Step {
     /// For each chosen set-up the rows and columns of its arcs.
     of_set_up: Vec<Matrix>,
-    value: f64,
+    pub(super) value: f64,
     /// `C^-1` of the coefficients, for D.
     inverse: Option<Matrix>,
     /// `v` of the points, for G.
@@ -135,8 +108,10 @@ impl Problem {
     /// Chooses set-ups and arcs for a budget, s; `None` if not one arc of one set-up fits.
     pub(super) fn solve(&self, budget_s: f64) -> Option<Chosen> {
         let choices = self.choices(budget_s);
-        let filled =
-            choices.into_iter().take(FILLED).map(|set_ups| self.fill(&set_ups, budget_s, LOOKS));
+        let filled = choices
+            .into_iter()
+            .take(FILLED)
+            .map(|set_ups| self.fill(&set_ups, budget_s, super::filling::LOOKS));
         filled
             .filter(|chosen| !chosen.arcs.is_empty())
             .reduce(|best, next| if next.value < best.value { next } else { best })
@@ -165,241 +140,6 @@ impl Problem {
             |index: usize| self.set_up_s[self.arcs[index].set_up] + self.arcs[index].seconds;
         gains.sort_by(|a, b| (b.1 / seconds(b.0)).total_cmp(&(a.1 / seconds(a.0))));
         gains.into_iter().map(|(index, gain)| (index, step.value - gain)).collect()
-    }
-
-    /// Choices of set-ups, the most promising first.
-    fn choices(&self, budget_s: f64) -> Vec<Vec<usize>> {
-        let count = self.set_up_s.len();
-        let shared: Vec<Option<Matrix>> =
-            (0..count).into_par_iter().map(|set_up| self.shared(set_up)).collect();
-        let value = |set_ups: &[usize]| -> f64 {
-            let cost_s: f64 = set_ups.iter().map(|&s| self.set_up_s[s]).sum();
-            let each_s = (budget_s - cost_s) / set_ups.len() as f64;
-            if each_s <= 0.0 {
-                return f64::INFINITY;
-            }
-            let mut information = self.known.clone();
-            for &set_up in set_ups {
-                let Some(of_second) = &shared[set_up] else { return f64::INFINITY };
-                for i in 0..self.coefficients {
-                    for (sum, x) in information.row_mut(i).iter_mut().zip(of_second.row(i)) {
-                        *sum += each_s * x;
-                    }
-                }
-            }
-            Cholesky::of(&information)
-                .map_or(f64::INFINITY, |f| self.objective.value(&f.inverse(), self.coefficients))
-        };
-        let most = self.most_set_ups.min(count);
-        let mut sets: Vec<Vec<usize>> = vec![Vec::new()];
-        let mut all: Vec<Vec<usize>> = Vec::new();
-        for _ in 0..most {
-            let longer: Vec<Vec<usize>> = sets
-                .iter()
-                .flat_map(|set| {
-                    let first = set.last().map_or(0, |last| last + 1);
-                    (first..count).map(move |next| [set.as_slice(), &[next]].concat())
-                })
-                .collect();
-            all.extend(longer.iter().cloned());
-            sets = longer;
-            if all.len() > MOST_CHOICES {
-                all = self.built_up(most, &value);
-                break;
-            }
-        }
-        let mut valued: Vec<(f64, Vec<usize>)> =
-            all.into_par_iter().map(|set| (value(&set), set)).collect();
-        valued.retain(|(value, _)| value.is_finite());
-        valued.sort_by(|a, b| a.0.total_cmp(&b.0).then_with(|| a.1.cmp(&b.1)));
-        valued.into_iter().map(|(_, set)| set).collect()
-    }
-
-    /// From every pair of set-ups the best third, the best fourth and so on.
-    fn built_up(&self, most: usize, value: &(dyn Fn(&[usize]) -> f64 + Sync)) -> Vec<Vec<usize>> {
-        let count = self.set_up_s.len();
-        let mut all: Vec<Vec<usize>> = (0..count).map(|first| vec![first]).collect();
-        let mut sets = all.clone();
-        for _ in 1..most {
-            sets = sets
-                .par_iter()
-                .filter_map(|set| {
-                    let others = (0..count).filter(|next| !set.contains(next));
-                    let mut longer: Vec<(f64, Vec<usize>)> = others
-                        .map(|next| {
-                            let mut set = [set.as_slice(), &[next]].concat();
-                            set.sort_unstable();
-                            (value(&set), set)
-                        })
-                        .collect();
-                    longer.sort_by(|a, b| a.0.total_cmp(&b.0).then_with(|| a.1.cmp(&b.1)));
-                    longer.into_iter().next().map(|(_, set)| set)
-                })
-                .collect();
-            sets.sort();
-            sets.dedup();
-            all.extend(sets.iter().cloned());
-        }
-        all
-    }
-
-    /// What a set-up tells a second about the coefficients, its own errors unknown, if all its arcs share
-    /// the time evenly; `None` without arcs.
-    fn shared(&self, set_up: usize) -> Option<Matrix> {
-        let n = self.coefficients;
-        let mut information = Matrix::zeros(n + SET_UPS, n + SET_UPS);
-        let mut seconds = 0.0;
-        for arc in self.arcs.iter().filter(|arc| arc.set_up == set_up) {
-            add_information(&mut information, &arc.factor, 1.0);
-            seconds += arc.seconds;
-        }
-        if seconds == 0.0 {
-            return None;
-        }
-        // The Schur complement of the set-up errors.
-        let corner = Matrix::from_fn(SET_UPS, SET_UPS, |i, k| {
-            information[(n + i, n + k)] + if i == k { 1.0 } else { 0.0 }
-        });
-        let mut half = Matrix::from_fn(SET_UPS, n, |i, k| information[(n + i, k)]);
-        Cholesky::of(&corner)?.half_solve(&mut half);
-        let taken = half.transposed().times_own_transpose();
-        Some(Matrix::from_fn(n, n, |i, k| (information[(i, k)] - taken[(i, k)]) / seconds))
-    }
-
-    /// Arcs for some set-ups: of three beginnings the best, bettered until nothing betters it.
-    ///
-    /// `looks` bounds how many gains are looked at while arcs are exchanged.
-    /// Only arcs that the best shares of time come near to take part: what tells much less a second
-    /// there is in no good plan.
-    pub(super) fn fill(&self, set_ups: &[usize], budget_s: f64, looks: usize) -> Chosen {
-        let cost_s: f64 = set_ups.iter().map(|&s| self.set_up_s[s]).sum();
-        let left_s = budget_s - cost_s;
-        let relaxed = self.relaxed(set_ups, left_s);
-        let support = Support { set_ups, arcs: &relaxed.support };
-        let empty = Filling { arcs: Vec::new(), information: self.start(set_ups), left_s };
-        // Whole arcs from the best shares of time, and the rest greedily.
-        let mut of_shares = empty.clone();
-        let mut shares = relaxed.seconds.clone();
-        shares.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-        for (index, seconds) in shares {
-            let arc_s = self.arcs[index].seconds;
-            for _ in 0..(seconds / arc_s).round() as usize {
-                if arc_s <= of_shares.left_s {
-                    self.put(&mut of_shares, set_ups, index);
-                }
-            }
-        }
-        let beginnings = [
-            self.filled_up(of_shares, &support, Weight::GainASecond),
-            self.filled_up(empty.clone(), &support, Weight::GainASecond),
-            self.filled_up(empty.clone(), &support, Weight::Gain),
-        ];
-        let mut beginnings: Vec<(f64, Filling)> = beginnings
-            .into_iter()
-            .map(|filling| (self.value_of(&filling, set_ups), filling))
-            .collect();
-        beginnings.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // A look at every point costs some times a look at their mean.
-        let mut looks = if self.objective.criterion == Criterion::G { looks / 4 } else { looks };
-        let (filling, value) = beginnings
-            .into_iter()
-            .map(|(_, filling)| self.bettered(filling, &support, &mut looks))
-            .reduce(|best, next| if next.1 < best.1 { next } else { best })
-            .unwrap_or((empty, f64::INFINITY));
-        let arcs = filling.arcs;
-        Chosen { set_ups: set_ups.to_vec(), arcs, value, bound: relaxed.bound }
-    }
-
-    fn value_of(&self, filling: &Filling, set_ups: &[usize]) -> f64 {
-        self.step(set_ups, &filling.information).map_or(f64::INFINITY, |step| step.value)
-    }
-
-    /// Adds arcs, the heaviest first, until none fits.
-    fn filled_up(&self, mut filling: Filling, support: &Support<'_>, weight: Weight) -> Filling {
-        while support.arcs.iter().any(|&index| self.arcs[index].seconds <= filling.left_s) {
-            let Some(step) = self.step(support.set_ups, &filling.information) else { break };
-            let Some((index, _)) = self.best(&step, support, filling.left_s, weight) else { break };
-            self.put(&mut filling, support.set_ups, index);
-        }
-        filling
-    }
-
-    /// Takes one arc out, or where that gains nothing two, and fills up again with the best arc first or
-    /// with what tells most a second; until nothing is worth it, or `looks` have been spent.
-    fn bettered(
-        &self,
-        mut filling: Filling,
-        support: &Support<'_>,
-        looks: &mut usize,
-    ) -> (Filling, f64) {
-        let mut value = self.value_of(&filling, support.set_ups);
-        'again: loop {
-            let count = filling.arcs.len();
-            let alone = (0..count).map(|place| vec![place]);
-            let pairs = (0..count).flat_map(|a| (0..a).map(move |b| vec![a, b]));
-            for places in alone.chain(pairs) {
-                if *looks == 0 {
-                    break 'again;
-                }
-                let better = self.refilled(&filling, &places, support, value, looks);
-                if let Some((next, next_value)) = better {
-                    (filling, value) = (next, next_value);
-                    continue 'again;
-                }
-            }
-            break;
-        }
-        (filling, value)
-    }
-
-    /// The filling without the arcs at some places, the last place first, filled up again; if that is
-    /// worth it.
-    fn refilled(
-        &self,
-        filling: &Filling,
-        places: &[usize],
-        support: &Support<'_>,
-        value: f64,
-        looks: &mut usize,
-    ) -> Option<(Filling, f64)> {
-        let set_ups = support.set_ups;
-        let mut without = filling.clone();
-        for &place in places {
-            let old = without.arcs.remove(place);
-            without.left_s += self.arcs[old].seconds;
-            self.add(&mut without.information, set_ups, old, -1.0);
-        }
-        let step = self.step(set_ups, &without.information)?;
-        let firsts = [Weight::Gain, Weight::GainASecond]
-            .map(|weight| self.best(&step, support, without.left_s, weight));
-        *looks = looks.saturating_sub(support.arcs.len());
-        for (k, first) in firsts.iter().enumerate() {
-            let Some((index, gain)) = first else { continue };
-            // The same arc again is no news.
-            if k == 1 && *first == firsts[0] {
-                continue;
-            }
-            let mut next = without.clone();
-            self.put(&mut next, set_ups, *index);
-            let alone = next.arcs.len();
-            let next = self.filled_up(next, support, Weight::Gain);
-            *looks = looks.saturating_sub((next.arcs.len() - alone) * support.arcs.len());
-            let next_value = if next.arcs.len() == alone {
-                step.value - gain
-            } else {
-                self.value_of(&next, set_ups)
-            };
-            if value - next_value > WORTH * value.abs() {
-                return Some((next, next_value));
-            }
-        }
-        None
-    }
-
-    fn put(&self, filling: &mut Filling, set_ups: &[usize], index: usize) {
-        self.add(&mut filling.information, set_ups, index, 1.0);
-        filling.left_s -= self.arcs[index].seconds;
-        filling.arcs.push(index);
     }
 
     /// Information before the first arc.
@@ -434,7 +174,7 @@ impl Problem {
         (0..self.coefficients).chain(first..first + SET_UPS).collect()
     }
 
-    fn step(&self, set_ups: &[usize], information: &Matrix) -> Option<Step> {
+    pub(super) fn step(&self, set_ups: &[usize], information: &Matrix) -> Option<Step> {
         let n = self.coefficients;
         let c = Cholesky::of(information)?.inverse();
         let of_set_up = set_ups
@@ -457,7 +197,7 @@ impl Problem {
     }
 
     /// By how much an arc lowers the value.
-    fn gain(&self, step: &Step, set_ups: &[usize], index: usize) -> f64 {
+    pub(super) fn gain(&self, step: &Step, set_ups: &[usize], index: usize) -> f64 {
         let n = self.coefficients;
         let arc = &self.arcs[index];
         let Some(slot) = set_ups.iter().position(|&s| s == arc.set_up) else { return 0.0 };
@@ -495,31 +235,6 @@ impl Problem {
             }
             _ => variance(&z, &self.objective.mean_square),
         }
-    }
-
-    /// The arc with the largest gain, a second or in all, among those that fit into a time.
-    fn best(
-        &self,
-        step: &Step,
-        support: &Support<'_>,
-        left_s: f64,
-        weight: Weight,
-    ) -> Option<(usize, f64)> {
-        let gains: Vec<(usize, f64)> = support
-            .arcs
-            .par_iter()
-            .filter(|&&index| self.arcs[index].seconds <= left_s)
-            .map(|&index| (index, self.gain(step, support.set_ups, index)))
-            .collect();
-        let weight = |&(index, gain): &(usize, f64)| match weight {
-            Weight::Gain => gain,
-            Weight::GainASecond => gain / self.arcs[index].seconds,
-        };
-        let best = gains.iter().fold(None, |best: Option<&(usize, f64)>, next| match best {
-            Some(best) if weight(best) >= weight(next) => Some(best),
-            _ => Some(next),
-        })?;
-        (best.1 > 0.0).then_some(*best)
     }
 }
 

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 mod check;
+mod design;
 mod good;
 mod mountings;
 mod plan;

@@ -70,7 +70,13 @@ impl Work {
 
     /// Runs the binary here; results go to `results`.
     pub(crate) fn ballbar(&self, arguments: &[&str]) -> Outcome {
+        self.ballbar_on("2", arguments)
+    }
+
+    /// The same on a number of threads.
+    pub(crate) fn ballbar_on(&self, threads: &str, arguments: &[&str]) -> Outcome {
         let output = std::process::Command::new(assert_cmd::cargo::cargo_bin!("ballbar"))
+            .env("RAYON_NUM_THREADS", threads)
             .current_dir(self.directory.path())
             .args(arguments)
             .args(["-o", "results"])

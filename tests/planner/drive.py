@@ -78,6 +78,6 @@ while True:
         paused, pause = paused + now - pause, None
     if running and status.interp_state == linuxcnc.INTERP_IDLE and status.inpos and not status.queue:
         leave(0, motion_s=last - first, stops=stops, end=position)
-    if now > 600:
+    if now > 1800:
         leave(3, error="the program does not end")
     time.sleep(0.002)

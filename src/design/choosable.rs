@@ -1,0 +1,157 @@
+//! What can be chosen and what can be told by it: arcs that can be driven, coefficients that can be seen.
+
+use rayon::prelude::*;
+
+use super::candidates::{SetUpCandidate, can_drive};
+use super::information::{self, Basis};
+use super::volume::Volume;
+use crate::error::{Error, Kind, Place, Result};
+use crate::identify::{self, Driven, SEEN_UM};
+use crate::machine::Machine;
+use crate::model::{self, COMPLETE, Coefficient};
+use crate::plan::{Arc, DesignRequest, Test};
+
+/// Points an axis over the volume that the sizes of the coefficients come from.
+const SIZE_STEPS: usize = 5;
+/// What a set-up error is trusted with, mm.
+const SET_UP_MM: f64 = 0.1;
+/// Rank is looked at over every so many arcs: more show nothing new.
+const FEW_ARCS: usize = 7;
+
+/// Which arcs can be driven in which set-ups, as pairs of indices.
+pub(super) fn drivable(
+    test: &Test,
+    machine: &Machine,
+    set_ups: &[SetUpCandidate],
+    arcs: &[Arc],
+    feed_in_mm: f64,
+) -> Result<Vec<(usize, usize)>> {
+    let looked: Vec<Vec<Result<()>>> = set_ups
+        .par_iter()
+        .map(|set_up| arcs.iter().map(|arc| can_drive(machine, set_up, arc, feed_in_mm)).collect())
+        .collect();
+    let mut pairs = Vec::new();
+    for (index, of_set_up) in looked.into_iter().enumerate() {
+        let mut first = None;
+        let before = pairs.len();
+        for (arc, can) in of_set_up.into_iter().enumerate() {
+            match can {
+                Ok(()) => pairs.push((index, arc)),
+                Err(error) => first = first.or(Some(error)),
+            }
+        }
+        // A place that the user gave must be good for something.
+        if let Some(mut error) = first.filter(|_| pairs.len() == before)
+            && (set_ups[index].given.is_some())
+        {
+            error.what = format!(
+                "no arc can be driven in mounting `{}`: {}",
+                set_ups[index].name, error.what
+            );
+            return Err(error.at(Place::file(test.file())));
+        }
+    }
+    if pairs.is_empty() {
+        return Err(Error::input("no arc can be driven in any place")
+            .at(Place::file(test.file()))
+            .hint("check the travel and `[clearance]` in the machine file"));
+    }
+    Ok(pairs)
+}
+
+/// The coefficients that are named as wanted; `None` for all.
+pub(super) fn wanted(request: &DesignRequest) -> Result<Option<Vec<Coefficient>>> {
+    if request.wanted.iter().any(|name| name == COMPLETE) {
+        return Ok(None);
+    }
+    let named: Vec<String> =
+        request.wanted.iter().filter(|name| !name.starts_with('-')).cloned().collect();
+    let terms = model::terms(&named, &[String::new()])?;
+    let names = terms.iter().flat_map(|term| term.parameters());
+    Ok(Some(names.filter_map(|parameter| Coefficient::parse(&parameter.name)).collect()))
+}
+
+/// What a request leaves out by `-NAME`.
+pub(super) fn excluded(request: &DesignRequest) -> Vec<String> {
+    request.wanted.iter().filter(|name| name.starts_with('-')).cloned().collect()
+}
+
+/// The largest set that the candidates together can tell apart.
+pub(super) fn basis(
+    test: &Test,
+    request: &DesignRequest,
+    machine: &Machine,
+    set_ups: &[SetUpCandidate],
+    arcs: &[Arc],
+    drivable: &[(usize, usize)],
+) -> Result<Basis> {
+    // The usual order and not the wanted ones first: what acts as something else is not seen because the
+    // other was left out.
+    let names = identify::order_of(&excluded(request))?;
+    let order: Vec<Coefficient> =
+        names.iter().filter_map(|name| Coefficient::parse(name)).collect();
+    let few: Vec<(&SetUpCandidate, Vec<&Arc>)> = set_ups
+        .iter()
+        .enumerate()
+        .map(|(index, set_up)| {
+            let of_set_up = drivable.iter().filter(|(s, _)| *s == index);
+            (set_up, of_set_up.step_by(FEW_ARCS).map(|&(_, arc)| &arcs[arc]).collect::<Vec<_>>())
+        })
+        .filter(|(_, arcs)| !arcs.is_empty())
+        .collect();
+    let choice = information::tellable(machine, &order, &few, request.most_mountings)?;
+    let kept: Vec<Coefficient> = choice.kept.iter().map(|&k| order[k]).collect();
+    let missing = wanted(request)?.into_iter().flatten().find(|c| !kept.contains(c));
+    if let Some(missing) = missing {
+        return Err(cannot_see(test, machine, missing, &names, &few)?);
+    }
+    let range_mm = request.volume_mm.unwrap_or_else(|| Volume::travel_mm(machine));
+    let volume = Volume::new(machine, &test.mountings()[0].mounting, range_mm, SIZE_STEPS, &kept);
+    Ok(information::basis(&volume, SEEN_UM * 1e-3, SET_UP_MM))
+}
+
+/// Which wanted coefficient no candidate can see, and why.
+fn cannot_see(
+    test: &Test,
+    machine: &Machine,
+    missing: Coefficient,
+    order: &[String],
+    set_ups: &[(&SetUpCandidate, Vec<&Arc>)],
+) -> Result<Error> {
+    /// Each set-up brings columns of its own, and a few show what all show.
+    const FEW: usize = 4;
+    let few = &set_ups[..set_ups.len().min(FEW)];
+    let driven: Vec<Driven> = few
+        .iter()
+        .map(|(set_up, arcs)| Driven {
+            mounting: set_up.mounting,
+            bar_mm: set_up.bar_mm,
+            arcs: arcs.iter().map(|&arc| arc.clone()).collect(),
+        })
+        .collect();
+    let names: Vec<String> = few.iter().map(|(set_up, _)| set_up.name.clone()).collect();
+    let sight = super::outlook::sight(machine, &driven, &names)?;
+    let mut selection = sight.select(&sight.ordered(order))?;
+    let removal = selection.removed.iter().position(|removal| removal.name == missing.to_string());
+    let mut error = Error::new(
+        Kind::Undetermined,
+        match few.len() {
+            1 => format!("no arc can see `{missing}`, which is wanted"),
+            _ => format!("no choice of the candidates can see `{missing}`, which is wanted"),
+        },
+    )
+    .at(Place::file(test.file()));
+    if let Some(place) = removal {
+        let removal = selection.removed.swap_remove(place);
+        let group = [removal.direction];
+        let remedies = identify::remedies(machine, &driven, &group, &sight);
+        error.what = format!("{}: {}", error.what, removal.reason);
+        error = error.hint(match remedies.concat().as_slice() {
+            [] => {
+                "nothing that a ball-bar can do separates them: take it out of `wanted`".to_owned()
+            }
+            remedies => format!("what would separate them: {}", remedies.join("; ")),
+        });
+    }
+    Ok(error)
+}
