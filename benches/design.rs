@@ -6,6 +6,7 @@
 #![allow(clippy::unwrap_used)]
 #![allow(missing_docs)]
 
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use ballbar::design::{Designer, Outlook};
@@ -24,9 +25,11 @@ fn wish() -> Test {
     for k in 0..8_usize {
         let at = [[-108.0, 108.0], [-108.0, 108.0], [-195.0, 228.0]];
         let [x, y, z] = [0, 1, 2].map(|axis| at[axis][k >> axis & 1]);
-        text += &format!(
+        write!(
+            text,
             "[[mounting]]\nname = \"M{k}\"\ncoincidence_mm = [{x:?}, {y:?}, {z:?}]\ntool_ball_mm = [0.0, 0.0, -200.0]\n"
-        );
+        )
+        .unwrap();
     }
     // Beside the directory `machines`; the designed test is written from the file itself.
     let file = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("wish.toml");

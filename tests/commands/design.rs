@@ -115,7 +115,7 @@ fn what_was_measured_counts() {
     let text = std::fs::read_to_string(&analysis).unwrap();
     let hash = serde_json::from_str::<Value>(&text).unwrap()["test"]["sha256"].to_string();
     std::fs::write(&changed, text.replace(&hash, "\"0\"")).unwrap();
-    let given = ["design", "test.toml", "-o", "other", "--given", changed.to_str().unwrap()];
+    let given = ["design", "test.toml", "--given", changed.to_str().unwrap()];
     let outcome = work.ballbar(&given);
     assert!(outcome.stderr().contains("is not the one that was analysed"), "{}", outcome.stderr());
 }
