@@ -132,6 +132,11 @@ fn wishes_that_cannot_be_have_figures() {
     refused(&unseen, 4, &["no arc can see `EBXb`", "EBXb acts as", "EXXb", "a second place"]);
     let never = wish("budget_min = 60.0\nwanted = [\"EXX0\"]\n").ballbar(&["design", "test.toml"]);
     refused(&never, 4, &["EXX0 acts as", "nothing that a ball-bar can do"]);
+    let far = wish(
+        "budget_min = 60.0\n[[mounting]]\nname = \"FAR\"\ncoincidence_mm = [900.0, 0.0, 0.0]\ntool_ball_mm = [0.0, 0.0, -200.0]\n",
+    )
+    .ballbar(&["design", "test.toml"]);
+    refused(&far, 1, &["no arc can be driven in mounting `FAR`", "axis X", "280 mm"]);
     let hurried = wish("budget_min = 26.0\nmost_mountings = 3\n").ballbar(&["design", "test.toml"]);
     refused(&hurried, 4, &["within", "wanted coefficients unseen", "budget_min"]);
     let work = Work::new();
