@@ -34,7 +34,7 @@ impl Text<'_> {
                 Some(span) => Place::bytes(self.file, self.source, span),
                 None => Place::file(self.file),
             };
-            let what = error.message().trim().replace('\n', "; ");
+            let what = in_words(&error.message().trim().replace('\n', "; "));
             let hint = unknown_key_hint(&what)
                 .unwrap_or_else(|| "docs/reference.md lists every key with its unit".to_owned());
             Error::input(what).at(place).hint(hint)
@@ -56,8 +56,9 @@ impl Text<'_> {
         if number.is_finite() && number > 0.0 {
             return Ok(number);
         }
-        Err(Error::input(format!("`{key}` must be a positive number, got `{number}`"))
-            .at(self.place(value.span())))
+        Err(Error::input(format!("`{key}` must be a positive number, got `{}`", short(number)))
+            .at(self.place(value.span()))
+            .hint("give a number above 0, in the unit at the end of the key"))
     }
 
     /// A number within bounds.
@@ -72,23 +73,57 @@ impl Text<'_> {
         if (low..=high).contains(&number) {
             return Ok(number);
         }
-        Err(Error::input(format!("`{key}` must lie between {low} and {high}, got `{number}`"))
-            .at(self.place(value.span())))
+        let got = short(number);
+        Err(Error::input(format!("`{key}` must lie between {low} and {high}, got `{got}`"))
+            .at(self.place(value.span()))
+            .hint("give a number within these bounds, in the unit at the end of the key"))
     }
 
-    /// Three finite numbers.
+    /// A place or a way on a machine: three numbers, none of them beyond [`FARTHEST_MM`].
     pub(crate) fn finite_vector(
         &self,
         value: &Spanned<[f64; 3]>,
         key: &str,
     ) -> Result<Vector3<f64>> {
         let numbers = *value.get_ref();
-        if numbers.iter().all(|number| number.is_finite()) {
+        // A comparison with what is not a number is false, too.
+        let Some(far) = numbers.iter().find(|number| !(number.abs() <= FARTHEST_MM)) else {
             return Ok(Vector3::from(numbers));
-        }
-        Err(Error::input(format!("`{key}` must be three finite numbers"))
-            .at(self.place(value.span())))
+        };
+        let got = short(*far);
+        Err(Error::input(format!(
+            "`{key}` must be three numbers between -{FARTHEST_MM} and {FARTHEST_MM}, got `{got}`"
+        ))
+        .at(self.place(value.span()))
+        .hint("give X, Y and Z in mm"))
     }
+}
+
+/// No machine is larger, mm; beyond this the arithmetic loses the micrometres.
+pub(crate) const FARTHEST_MM: f64 = 100_000.0;
+
+/// A number as one would write it: without 300 zeros.
+pub(crate) fn short(number: f64) -> String {
+    let plain = number == 0.0 || !number.is_finite() || (1e-6..1e15).contains(&number.abs());
+    if plain { number.to_string() } else { format!("{number:e}") }
+}
+
+/// The reader speaks of types of a programming language; users write numbers, text and lists.
+fn in_words(message: &str) -> String {
+    let Some((before, expected)) = message.rsplit_once("expected ") else {
+        return message.replace("wanted string or table", "expected text in quotes");
+    };
+    let meant = match expected {
+        "f64" => "a number",
+        "usize" | "u32" | "u64" => "a whole number, not negative",
+        "a string" => "text in quotes",
+        "a sequence" => "a list in brackets",
+        other => match other.strip_prefix("an array of length ") {
+            Some(length) => return format!("{before}expected a list of {length} in brackets"),
+            None => other,
+        },
+    };
+    format!("{before}expected {meant}")
 }
 
 /// A key with another unit, or without one, is the commonest mistake: name the key that was meant.
@@ -101,4 +136,53 @@ fn unknown_key_hint(message: &str) -> Option<String> {
     let stem = |key: &str| key.split('_').next().unwrap_or("").to_lowercase();
     let meant = quoted.find(|known| stem(known) == stem(written))?;
     Some(format!("write `{meant}`; the unit is part of the key"))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[derive(serde::Deserialize)]
+    #[allow(dead_code)]
+    struct Wish {
+        minutes: Option<Spanned<f64>>,
+        most: Option<usize>,
+        names: Option<Vec<String>>,
+        place: Option<Spanned<[f64; 3]>>,
+    }
+
+    fn read(source: &str) -> Result<()> {
+        let text = Text { source, file: "t.toml".as_ref() };
+        let wish: Wish = text.parse()?;
+        if let Some(minutes) = &wish.minutes {
+            text.within(minutes, "minutes", 0.0, 90.0)?;
+            text.positive(minutes, "minutes")?;
+        }
+        wish.place.map(|place| text.finite_vector(&place, "place")).transpose()?;
+        Ok(())
+    }
+
+    #[test]
+    fn a_wrong_value_is_told_in_words_with_figures_and_a_hint() {
+        for (source, told) in [
+            ("minutes = 'x'", "expected a number"),
+            ("most = -1", "expected a whole number, not negative"),
+            ("most = 2.5", "expected a whole number, not negative"),
+            ("names = 'x'", "expected a list in brackets"),
+            ("names = [1]", "expected text in quotes"),
+            ("place = [1, 2]", "expected a list of 3 in brackets"),
+            ("place = [1, 2, nan]", "between -100000 and 100000, got `NaN`"),
+            ("place = [1, 2, 1e308]", "got `1e308`"),
+            ("minutes = 1e308", "between 0 and 90, got `1e308`"),
+            ("minutes = -1", "got `-1`"),
+            ("minutes = 0", "a positive number, got `0`"),
+        ] {
+            let error = read(source).unwrap_err();
+            assert!(error.what.ends_with(told), "{source}: {}", error.what);
+            assert!(error.what.len() < 100 && error.hint.is_some(), "{error}");
+            assert!(error.place.is_some_and(|place| place.line == 1), "{source}");
+        }
+        assert!(read("minutes = 60\nmost = 3\nplace = [0, -1, 2.5]").is_ok());
+    }
 }
