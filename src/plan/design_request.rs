@@ -5,8 +5,16 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use crate::error::{Error, Result};
-use crate::model::{self, COMPLETE};
-use crate::toml_text::Text;
+use crate::model::{self, COMPLETE, SetUp};
+use crate::toml_text::{FARTHEST_MM, Text};
+
+/// The longest test that is designed: a day. The search takes a minute for it.
+const LONGEST_MIN: f64 = 1440.0;
+/// Bars and tool balls nearer to each other than this are the same, mm.
+const SAME_MM: f64 = 1e-6;
+/// A working volume is not thinner than this, mm: the error of a place is what its sigma is about, and the
+/// coefficients are told apart by what they do from place to place.
+const THINNEST_MM: f64 = 1.0;
 
 /// What is to be small.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
@@ -81,6 +89,11 @@ impl RawDesign {
             Some(written) => {
                 model::terms(written.get_ref(), &[String::new()])
                     .map_err(|error| error.at(text.place(written.span())))?;
+                if let Some(name) = written.get_ref().iter().find(|name| is_set_up(name)) {
+                    return Err(Error::input(format!("the set-up error `{name}` cannot be wanted"))
+                        .at(text.place(written.span()))
+                        .hint("name coefficients of the machine; every mounting has its set-up errors anyway"));
+                }
                 written.into_inner()
             }
         };
@@ -105,30 +118,32 @@ impl RawDesign {
         let volume_mm = match self.volume_mm {
             None => None,
             Some(volume) => {
-                let ordered =
-                    |[low, high]: &[f64; 2]| low.is_finite() && high.is_finite() && low < high;
+                let ordered = |[low, high]: &[f64; 2]| {
+                    -FARTHEST_MM <= *low && *low + THINNEST_MM <= *high && *high <= FARTHEST_MM
+                };
                 if !volume.get_ref().iter().all(ordered) {
-                    return Err(Error::input("the volume's ranges must go from low to high")
-                        .at(text.place(volume.span()))
-                        .hint(
-                            "give machine coordinates, `[[-250, 250], [-250, 250], [-150, 350]]`",
-                        ));
+                    return Err(Error::input(format!(
+                        "the volume's ranges must go from low to high, {THINNEST_MM} mm at the least"
+                    ))
+                    .at(text.place(volume.span()))
+                    .hint("give machine coordinates, `[[-250, 250], [-250, 250], [-150, 350]]`"));
                 }
                 Some(volume.into_inner())
             }
         };
         Ok(DesignRequest {
-            budget_s: text.within(&self.budget_min, "budget_min", 0.0, 100_000.0)? * 60.0,
+            budget_s: text.within(&self.budget_min, "budget_min", 0.0, LONGEST_MIN)? * 60.0,
             criterion: self.criterion,
             wanted,
             most_mountings,
             places: self.places,
-            tool_balls_mm: self
-                .tool_balls_mm
-                .iter()
-                .map(|ball| text.finite_vector(ball, "tool_balls_mm"))
-                .collect::<Result<_>>()?,
-            bar_lengths_mm: self.bar_lengths_mm.iter().map(bar).collect::<Result<_>>()?,
+            tool_balls_mm: once(
+                self.tool_balls_mm.iter().map(|ball| text.finite_vector(ball, "tool_balls_mm")),
+                |a, b| (a - b).norm() < SAME_MM,
+            )?,
+            bar_lengths_mm: once(self.bar_lengths_mm.iter().map(bar), |a, b| {
+                (a - b).abs() < SAME_MM
+            })?,
             step_rad: match &self.step_deg {
                 None => 15.0,
                 Some(step) => text.within(step, "step_deg", 5.0, 90.0)?,
@@ -136,5 +151,67 @@ impl RawDesign {
             .to_radians(),
             volume_mm,
         })
+    }
+}
+
+fn is_set_up(name: &str) -> bool {
+    SetUp::parse(name.trim_start_matches('-')).is_some()
+}
+
+/// Each of them once: a candidate twice would only take twice the time to look at.
+fn once<T>(all: impl Iterator<Item = Result<T>>, same: impl Fn(&T, &T) -> bool) -> Result<Vec<T>> {
+    let mut kept: Vec<T> = Vec::new();
+    for next in all {
+        let next = next?;
+        if !kept.iter().any(|before| same(before, &next)) {
+            kept.push(next);
+        }
+    }
+    Ok(kept)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use crate::plan::Test;
+
+    fn request(rest: &str) -> crate::error::Result<super::DesignRequest> {
+        let source = format!(
+            "name = 'T'\nmachine = 'm.toml'\n[ball_bar]\nlength_mm = 150.0\n[[mounting]]\nname = 'A'\n\
+             coincidence_mm = [0.0, 0.0, 0.0]\ntool_ball_mm = [0.0, 0.0, -200.0]\n[plan]\n\
+             feed_mm_min = 500.0\n[design]\nbudget_min = 60.0\n{rest}\n"
+        );
+        Test::parse(&source, "t.toml".as_ref()).and_then(|test| test.design().cloned())
+    }
+
+    #[test]
+    fn the_same_bar_or_tool_again_is_no_other_candidate() {
+        let request = request(
+            "bar_lengths_mm = [150.0, 100.0, 150.0]\n\
+             tool_balls_mm = [[0, 0, -250], [0, 0, -250.0]]",
+        );
+        let request = request.unwrap();
+        assert_eq!(request.bar_lengths_mm, [150.0, 100.0]);
+        assert_eq!(request.tool_balls_mm.len(), 1);
+    }
+
+    #[test]
+    fn what_cannot_be_asked_for_is_told_with_its_place() {
+        for (rest, told) in [
+            ("wanted = ['EXt']", "the set-up error `EXt` cannot be wanted"),
+            ("wanted = ['EXX1', 'EYw']", "the set-up error `EYw` cannot be wanted"),
+            ("wanted = ['EXX9']", "unknown term `EXX9`"),
+            ("volume_mm = [[0, 1e-300], [0, 1], [0, 1]]", "1 mm at the least"),
+            ("volume_mm = [[-1e308, 1e308], [0, 1], [0, 1]]", "from low to high"),
+            ("volume_mm = [[nan, 1], [0, 1], [0, 1]]", "from low to high"),
+            ("tool_balls_mm = [[1e308, 0, 0]]", "got `1e308`"),
+            ("bar_lengths_mm = [1.0]", "shorter than its own range"),
+            ("most_mountings = 9", "9 mountings"),
+            ("step_deg = nan", "between 5 and 90"),
+        ] {
+            let error = request(rest).unwrap_err();
+            assert!(error.what.contains(told), "{told}: {}", error.what);
+            assert!(error.hint.is_some() && error.place.is_some_and(|p| p.line > 0), "{told}");
+        }
     }
 }
