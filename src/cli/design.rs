@@ -53,7 +53,7 @@ impl Arguments {
                     proposal.total_s / 60.0,
                     unseen.len(),
                     proposal.wanted.len(),
-                    unseen.join(", ")
+                    report::some_of(&unseen)
                 ),
             )
             .at(Place::file(&self.test))

@@ -46,6 +46,6 @@ pub use outlook::{
 };
 pub use paper::{nearest_text, paper_json, paper_page, paper_text};
 pub use path_plot::path_page;
-pub use proposal::{proposal_json, proposal_text, unseen_of};
+pub use proposal::{proposal_json, proposal_text, some_of, unseen_of};
 pub use samples::{write_aligned, write_samples};
 pub use terminal::{runs_table, summary};

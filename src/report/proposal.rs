@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 
-use super::numbers::{fixed, many};
+use super::numbers::{decimals, fixed, many};
 use crate::design::{Outlook, Proposal};
 use crate::plan::{Criterion, Test};
 
@@ -14,11 +14,36 @@ pub fn unseen_of(proposal: &Proposal, outlook: &Outlook) -> Vec<String> {
     names.filter(|name| outlook.prediction.sigma(name).is_none()).collect()
 }
 
+/// So many names are told; the rest is a number.
+const TOLD: usize = 8;
+
+/// A list that stays a line.
+pub fn some_of(names: &[String]) -> String {
+    let told = names.iter().take(TOLD).cloned().collect::<Vec<_>>().join(", ");
+    match names.len().saturating_sub(TOLD) {
+        0 => told,
+        more => format!("{told} and {more} more"),
+    }
+}
+
+/// A length in micrometres with three digits that say something, however small it is.
+fn um(mm: f64) -> String {
+    let um = mm * 1e3;
+    fixed(um, decimals(um, 3))
+}
+
+/// What one more arc leaves of the criterion, in words.
+fn left(criterion: Criterion, before: f64, after: f64) -> String {
+    match criterion {
+        Criterion::A | Criterion::G => format!("then {} um", um(after)),
+        Criterion::D => format!("then known {} times better", fixed((before - after).exp(), 2)),
+    }
+}
+
 /// The criterion in words, before and after.
 fn criterion(request: &Test, proposal: &Proposal) -> String {
     let of = request.design().map_or(Criterion::A, |design| design.criterion);
     let [before, after] = proposal.value;
-    let um = |mm: f64| fixed(mm * 1e3, if mm < 0.1 { 2 } else { 0 });
     match of {
         Criterion::A => format!(
             "volumetric error, rms: {} um known beforehand, {} um after",
@@ -94,15 +119,16 @@ pub fn proposal_text(request: &Test, proposal: &Proposal, outlook: &Outlook) -> 
         }
     }
     if !proposal.next.is_empty() {
+        let of = request.design().map_or(Criterion::A, |design| design.criterion);
         text.push_str("\nWhat would tell most next\n");
         for next in &proposal.next {
             let _ = writeln!(
                 text,
-                "  {} in {}: {} min, then {} um",
+                "  {} in {}: {} min, {}",
                 next.arc,
                 next.set_up,
                 fixed(next.seconds / 60.0, 1),
-                fixed(next.value * 1e3, 3)
+                left(of, proposal.value[0], next.value)
             );
         }
     }
@@ -144,4 +170,25 @@ pub fn proposal_json(request: &Test, proposal: &Proposal, outlook: &Outlook) -> 
             "after": next.value,
         })).collect::<Vec<_>>(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_values_keep_their_digits_and_d_has_no_micrometres() {
+        assert_eq!(um(2.1e-6), "0.00210");
+        assert_eq!(um(0.6432e-3), "0.643");
+        assert_eq!(um(0.268), "268");
+        assert_eq!(left(Criterion::A, 0.1, 0.0867), "then 86.7 um");
+        assert_eq!(left(Criterion::D, -5.0, -5.5), "then known 1.65 times better");
+    }
+
+    #[test]
+    fn a_long_list_is_cut() {
+        let names: Vec<String> = (0..45).map(|k| format!("E{k}")).collect();
+        assert_eq!(some_of(&names), "E0, E1, E2, E3, E4, E5, E6, E7 and 37 more");
+        assert_eq!(some_of(&names[..2]), "E0, E1");
+    }
 }
