@@ -49,7 +49,12 @@ impl Arguments {
             return Err(Error::new(
                 Kind::Undetermined,
                 format!(
-                    "within {:.0} min the best test leaves {} of {} wanted coefficients unseen: {}",
+                    "the best test that was found for a budget of {:.1} min, {} of {:.1} min, leaves {} of {} wanted coefficients unseen: {}",
+                    test.design()?.budget_s / 60.0,
+                    match proposal.set_ups.len() {
+                        1 => "one mounting".to_owned(),
+                        count => format!("{count} mountings"),
+                    },
                     proposal.total_s / 60.0,
                     unseen.len(),
                     proposal.wanted.len(),
@@ -61,7 +66,11 @@ impl Arguments {
         }
         let mut files = Files::default();
         files.add(file, proposal.text.clone());
-        files.keep(&[self.test.clone(), machine.file().to_path_buf()])?;
+        // Designed beside what was measured, the test must not replace the one that the analysis is of.
+        let mut kept = vec![self.test.clone(), machine.file().to_path_buf()];
+        kept.extend(self.given.clone());
+        kept.extend(measured.as_ref().map(|measured| measured.test().file().to_path_buf()));
+        files.keep(&kept)?;
         let files = files.write()?;
         if common.json {
             output::print(&format!("{:#}\n", report::proposal_json(&test, &proposal, &outlook)))?;

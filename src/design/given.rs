@@ -10,7 +10,7 @@ use crate::align;
 use crate::error::{Error, Place, Result};
 use crate::identify;
 use crate::input;
-use crate::machine::Machine;
+use crate::machine::{Axis, Machine, Pivot};
 use crate::model::Situation;
 use crate::nc;
 use crate::plan::Test;
@@ -103,6 +103,45 @@ impl Measured {
     /// Long-run variance of a reading as the analysis found it, mm².
     pub fn variance_mm2(&self) -> f64 {
         self.variance_mm2
+    }
+
+    /// What was measured on another machine says nothing about this one.
+    ///
+    /// # Errors
+    /// When the test that was analysed names a machine of another name or kinematics.
+    pub(super) fn belongs_to(&self, machine: &Machine) -> Result<()> {
+        let other = self.test.machine()?;
+        let kind = |machine: &Machine| {
+            let pivots = Axis::ALL.map(|axis| machine.slide(axis).pivot);
+            (machine.name().to_owned(), machine.topology().as_str().to_owned(), pivots)
+        };
+        if kind(&other) == kind(machine) {
+            return Ok(());
+        }
+        let told = |machine: &Machine| {
+            let pivots = Axis::ALL.map(|axis| match machine.slide(axis).pivot {
+                Pivot::Carriage => "carriage",
+                Pivot::Base => "base",
+            });
+            format!(
+                "`{}` ({}, pivots {})",
+                machine.name(),
+                machine.topology().as_str(),
+                pivots.join(" ")
+            )
+        };
+        Err(Error::input(format!(
+            "the analysis is of {}, the design for {}",
+            told(&other),
+            told(machine)
+        ))
+        .at(Place::file(self.test.file()))
+        .hint("give an analysis of the same machine, or design without `--given`"))
+    }
+
+    /// The test that was analysed.
+    pub fn test(&self) -> &Test {
+        &self.test
     }
 
     /// Adds what the runs tell about the coefficients, the set-up errors of every run unknown.

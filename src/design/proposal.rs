@@ -155,6 +155,7 @@ impl<'a> Designer<'a> {
         if let Some(measured) = measured {
             measured.add_to(&mut known, &basis, machine)?;
         }
+            measured.belongs_to(machine)?;
         let wanted = wanted(request)?;
         let is_wanted = |k: usize| match &wanted {
             Some(wanted) => wanted.contains(&basis.coefficients[k]),
@@ -212,7 +213,11 @@ impl<'a> Designer<'a> {
             let total_s = self.total_s(&text)?;
             let spare_s = budget_s - total_s;
             let better = best.as_ref().is_none_or(|(b, ..)| chosen.value < b.value);
-            let of_set_ups = chosen.set_ups.clone();
+            // A set-up that no arc fell to is not made, and its time belongs to the others.
+            let driven = |set_up: &&usize| {
+                chosen.arcs.iter().any(|&arc| self.problem.arcs[arc].set_up == **set_up)
+            };
+            let of_set_ups: Vec<usize> = chosen.set_ups.iter().filter(driven).copied().collect();
             if spare_s >= 0.0 && better {
                 best = Some((chosen, set_ups, total_s, text));
             }

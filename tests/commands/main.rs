@@ -4,6 +4,7 @@
 
 mod check;
 mod design;
+mod given;
 mod good;
 mod mountings;
 mod plan;
