@@ -7,7 +7,7 @@ use super::information::{self, Basis};
 use super::volume::Volume;
 use crate::error::{Error, Kind, Place, Result};
 use crate::identify::{self, Driven, SEEN_UM};
-use crate::machine::Machine;
+use crate::machine::{Axis, Machine};
 use crate::model::{self, COMPLETE, Coefficient};
 use crate::plan::{Arc, DesignRequest, Test};
 
@@ -64,11 +64,40 @@ pub(super) fn wanted(request: &DesignRequest) -> Result<Option<Vec<Coefficient>>
     if request.wanted.iter().any(|name| name == COMPLETE) {
         return Ok(None);
     }
-    let named: Vec<String> =
-        request.wanted.iter().filter(|name| !name.starts_with('-')).cloned().collect();
+    named(request).map(Some)
+}
+
+/// The coefficients that are named, besides `complete`.
+fn named(request: &DesignRequest) -> Result<Vec<Coefficient>> {
+    let names = request.wanted.iter().filter(|name| *name != COMPLETE && !name.starts_with('-'));
+    let named: Vec<String> = names.cloned().collect();
+    if named.is_empty() {
+        return Ok(Vec::new());
+    }
     let terms = model::terms(&named, &[String::new()])?;
     let names = terms.iter().flat_map(|term| term.parameters());
-    Ok(Some(names.filter_map(|parameter| Coefficient::parse(&parameter.name)).collect()))
+    Ok(names.filter_map(|parameter| Coefficient::parse(&parameter.name)).collect())
+}
+
+/// The working volume that a design is for, machine coordinates, mm.
+pub(super) fn volume_mm(
+    test: &Test,
+    request: &DesignRequest,
+    machine: &Machine,
+) -> Result<[[f64; 2]; 3]> {
+    let travel_mm = Volume::travel_mm(machine);
+    let Some(volume_mm) = request.volume_mm else { return Ok(travel_mm) };
+    for axis in Axis::ALL {
+        let [[low, high], [from, to]] = [volume_mm[axis.index()], travel_mm[axis.index()]];
+        if low < from || high > to {
+            return Err(Error::input(format!(
+                "the volume goes from {low} to {high} mm in {axis}, the travel from {from} to {to} mm"
+            ))
+            .at(Place::file(test.file()))
+            .hint("give machine coordinates within the travel, or leave `volume_mm` out"));
+        }
+    }
+    Ok(volume_mm)
 }
 
 /// What a request leaves out by `-NAME`.
@@ -101,12 +130,14 @@ pub(super) fn basis(
         .collect();
     let choice = information::tellable(machine, &order, &few, request.most_mountings)?;
     let kept: Vec<Coefficient> = choice.kept.iter().map(|&k| order[k]).collect();
-    let missing = wanted(request)?.into_iter().flatten().find(|c| !kept.contains(c));
+    let missing = named(request)?.into_iter().find(|c| !kept.contains(c));
     if let Some(missing) = missing {
         return Err(cannot_see(test, machine, missing, &names, &few)?);
     }
-    let range_mm = request.volume_mm.unwrap_or_else(|| Volume::travel_mm(machine));
-    let volume = Volume::new(machine, &test.mountings()[0].mounting, range_mm, SIZE_STEPS, &kept);
+    // What a coefficient is trusted with beforehand is a matter of the machine, not of the part of its
+    // volume that one cares about: in a box of a few millimetres a cubic would be trusted with anything.
+    let travel_mm = Volume::travel_mm(machine);
+    let volume = Volume::new(machine, &test.mountings()[0].mounting, travel_mm, SIZE_STEPS, &kept);
     Ok(information::basis(&volume, SEEN_UM * 1e-3, SET_UP_MM))
 }
 

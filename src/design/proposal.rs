@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::candidates::{SetUpCandidate, candidate_arcs, set_up_candidates};
-use super::choosable::{basis, drivable, excluded, wanted};
+use super::choosable::{basis, drivable, excluded, volume_mm, wanted};
 use super::given::Measured;
 use super::information::{ArcInformation, Basis};
 use super::ordering;
@@ -110,7 +110,7 @@ impl<'a> Designer<'a> {
         let drivable = drivable(test, machine, &set_ups, &arcs, plan.feed_in_mm)?;
         let basis = basis(test, request, machine, &set_ups, &arcs, &drivable)?;
         let first = &test.mountings()[0].mounting;
-        let range_mm = request.volume_mm.unwrap_or_else(|| Volume::travel_mm(machine));
+        let range_mm = volume_mm(test, request, machine)?;
         let bar = test.ball_bar();
         // As it was found, where something was measured, or as it is stated.
         let variance_mm2 = match measured {
@@ -155,7 +155,7 @@ impl<'a> Designer<'a> {
         if let Some(measured) = measured {
             measured.add_to(&mut known, &basis, machine)?;
         }
-            measured.belongs_to(machine)?;
+        measured.belongs_to(machine)?;
         let wanted = wanted(request)?;
         let is_wanted = |k: usize| match &wanted {
             Some(wanted) => wanted.contains(&basis.coefficients[k]),
