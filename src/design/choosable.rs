@@ -15,8 +15,10 @@ use crate::plan::{Arc, DesignRequest, Test};
 const SIZE_STEPS: usize = 5;
 /// What a set-up error is trusted with, mm.
 const SET_UP_MM: f64 = 0.1;
-/// Rank is looked at over every so many arcs: more show nothing new.
+/// Rank is looked at over every so many arcs: more show nothing new ...
 const FEW_ARCS: usize = 7;
+/// ... but over at least so many of a set-up, if it has them.
+const ENOUGH_ARCS: usize = 27;
 
 /// Which arcs can be driven in which set-ups, as pairs of indices.
 pub(super) fn drivable(
@@ -31,6 +33,7 @@ pub(super) fn drivable(
         .map(|set_up| arcs.iter().map(|arc| can_drive(machine, set_up, arc, feed_in_mm)).collect())
         .collect();
     let mut pairs = Vec::new();
+    let mut reason = None;
     for (index, of_set_up) in looked.into_iter().enumerate() {
         let mut first = None;
         let before = pairs.len();
@@ -40,6 +43,7 @@ pub(super) fn drivable(
                 Err(error) => first = first.or(Some(error)),
             }
         }
+        reason = reason.or_else(|| first.clone());
         // A place that the user gave must be good for something.
         if let Some(mut error) = first.filter(|_| pairs.len() == before)
             && (set_ups[index].given.is_some())
@@ -52,7 +56,9 @@ pub(super) fn drivable(
         }
     }
     if pairs.is_empty() {
-        return Err(Error::input("no arc can be driven in any place")
+        let mut error = reason.unwrap_or_else(|| Error::input("there are no places"));
+        error.what = format!("no arc can be driven in any place: {}", error.what);
+        return Err(error
             .at(Place::file(test.file()))
             .hint("check the travel and `[clearance]` in the machine file"));
     }
@@ -123,8 +129,10 @@ pub(super) fn basis(
         .iter()
         .enumerate()
         .map(|(index, set_up)| {
-            let of_set_up = drivable.iter().filter(|(s, _)| *s == index);
-            (set_up, of_set_up.step_by(FEW_ARCS).map(|&(_, arc)| &arcs[arc]).collect::<Vec<_>>())
+            let of_set_up: Vec<&Arc> =
+                drivable.iter().filter(|(s, _)| *s == index).map(|&(_, arc)| &arcs[arc]).collect();
+            let step = (of_set_up.len() / ENOUGH_ARCS).clamp(1, FEW_ARCS);
+            (set_up, of_set_up.into_iter().step_by(step).collect::<Vec<_>>())
         })
         .filter(|(_, arcs)| !arcs.is_empty())
         .collect();

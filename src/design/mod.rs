@@ -12,6 +12,8 @@ mod proposal;
 mod relaxed;
 mod search;
 mod set_up_choice;
+#[cfg(test)]
+mod tests;
 mod volume;
 mod written;
 

@@ -153,9 +153,9 @@ impl<'a> Designer<'a> {
             .collect();
         let mut known = Matrix::identity(basis.coefficients.len());
         if let Some(measured) = measured {
+            measured.belongs_to(machine)?;
             measured.add_to(&mut known, &basis, machine)?;
         }
-        measured.belongs_to(machine)?;
         let wanted = wanted(request)?;
         let is_wanted = |k: usize| match &wanted {
             Some(wanted) => wanted.contains(&basis.coefficients[k]),
@@ -197,6 +197,12 @@ impl<'a> Designer<'a> {
         [self.set_ups.len(), self.problem.arcs.len()]
     }
 
+    /// Number of coefficients that the candidates can tell apart.
+    #[cfg(test)]
+    pub(super) fn told_apart(&self) -> usize {
+        self.basis.coefficients.len()
+    }
+
     /// The best test that fits into the budget.
     ///
     /// # Errors
@@ -206,11 +212,13 @@ impl<'a> Designer<'a> {
         let mut asked_s = budget_s;
         let mut found = self.problem.solve(asked_s);
         let mut best: Option<(Chosen, Vec<ProposedSetUp>, f64, String)> = None;
+        let mut least_s = f64::INFINITY;
         for _ in 0..CORRECTIONS {
             let Some(chosen) = found.filter(|chosen| !chosen.arcs.is_empty()) else { break };
             let set_ups = ordering::ordered(&chosen, &self.problem.arcs, &self.set_ups, &self.arcs);
             let text = written::test_file(self.test, &set_ups, &self.terms())?;
             let total_s = self.total_s(&text)?;
+            least_s = least_s.min(total_s);
             let spare_s = budget_s - total_s;
             let better = best.as_ref().is_none_or(|(b, ..)| chosen.value < b.value);
             // A set-up that no arc fell to is not made, and its time belongs to the others.
@@ -227,7 +235,7 @@ impl<'a> Designer<'a> {
             asked_s += if spare_s >= 0.0 { 0.9 * spare_s } else { 1.05 * spare_s };
             found = Some(self.problem.fill(&of_set_ups, asked_s, CORRECTED_LOOKS));
         }
-        let (chosen, set_ups, total_s, text) = best.ok_or_else(|| self.too_short())?;
+        let (chosen, set_ups, total_s, text) = best.ok_or_else(|| self.nothing_fits(least_s))?;
         Ok(Proposal {
             set_ups,
             candidates: self.candidates(),
@@ -288,18 +296,33 @@ impl<'a> Designer<'a> {
         times.into_iter().sum()
     }
 
-    fn too_short(&self) -> Error {
+    /// Why there is no test; `least_s` is what the shortest takes that was found, s.
+    pub(super) fn nothing_fits(&self, least_s: f64) -> Error {
+        let budget_s = self.request.budget_s;
         let operator = self.test.operator();
-        Error::new(
-            Kind::Undetermined,
-            format!(
-                "a budget of {:.1} min is shorter than the shortest test of {:.1} min, of which the operator takes {:.1} min",
-                self.request.budget_s / 60.0,
-                self.problem.shortest_s() / 60.0,
-                (operator.set_up_s + operator.fit_bar_s) / 60.0
-            ),
-        )
-        .at(Place::file(self.test.file()))
-        .hint("give more time, or say in `[operator]` that he is faster")
+        let shortest_s = if least_s.is_finite() { least_s } else { self.problem.shortest_s() };
+        let error = if shortest_s > budget_s {
+            Error::new(
+                Kind::Undetermined,
+                format!(
+                    "a budget of {:.1} min is shorter than the shortest test of {:.1} min, of which the operator takes {:.1} min",
+                    budget_s / 60.0,
+                    shortest_s / 60.0,
+                    (operator.set_up_s + operator.fit_bar_s) / 60.0
+                ),
+            )
+            .hint("give more time, or say in `[operator]` that he is faster")
+        } else {
+            Error::new(
+                Kind::Undetermined,
+                format!(
+                    "within {:.1} min no arc tells anything about what is wanted, with readings of a standard deviation of {} um",
+                    budget_s / 60.0,
+                    crate::toml_text::short(self.test.ball_bar().noise_mm * 1e3)
+                ),
+            )
+            .hint("check `noise_um` in `[ball_bar]`, and `wanted`")
+        };
+        error.at(Place::file(self.test.file()))
     }
 }
