@@ -86,8 +86,9 @@ impl Text<'_> {
         key: &str,
     ) -> Result<Vector3<f64>> {
         let numbers = *value.get_ref();
-        // A comparison with what is not a number is false, too.
-        let Some(far) = numbers.iter().find(|number| !(number.abs() <= FARTHEST_MM)) else {
+        let Some(far) =
+            numbers.iter().find(|number| !(-FARTHEST_MM..=FARTHEST_MM).contains(*number))
+        else {
             return Ok(Vector3::from(numbers));
         };
         let got = short(*far);

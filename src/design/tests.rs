@@ -59,7 +59,7 @@ fn a_bar_that_drives_no_arc_is_refused_with_the_reason() {
 /// In a box of some millimetres a cubic does next to nothing; that is no reason to stop after one arc.
 #[test]
 fn a_small_volume_uses_the_time_that_there_is() {
-    let volume = "volume_mm = [[-5, 5], [-5, 5], [-5, 5]]\nstep_deg = 45\nmost_mountings = 1";
+    let volume = "volume_mm = [[-5, 5], [-5, 5], [-5, 5]]";
     let directory = tempfile::tempdir().unwrap();
     let file = directory.path().join("wish.toml");
     std::fs::write(&file, source(volume)).unwrap();
