@@ -66,7 +66,7 @@ pub(super) fn drivable(
 }
 
 /// The coefficients that are named as wanted; `None` for all.
-pub(super) fn wanted(request: &DesignRequest) -> Result<Option<Vec<Coefficient>>> {
+fn wanted(request: &DesignRequest) -> Result<Option<Vec<Coefficient>>> {
     if request.wanted.iter().any(|name| name == COMPLETE) {
         return Ok(None);
     }
@@ -111,7 +111,8 @@ pub(super) fn excluded(request: &DesignRequest) -> Vec<String> {
     request.wanted.iter().filter(|name| name.starts_with('-')).cloned().collect()
 }
 
-/// The largest set that the candidates together can tell apart.
+/// The largest set that the candidates together can tell apart, and those of it that are wanted: for
+/// `complete` what the tool of the first mounting can tell.
 pub(super) fn basis(
     test: &Test,
     request: &DesignRequest,
@@ -119,7 +120,7 @@ pub(super) fn basis(
     set_ups: &[SetUpCandidate],
     arcs: &[Arc],
     drivable: &[(usize, usize)],
-) -> Result<Basis> {
+) -> Result<(Basis, Vec<Coefficient>)> {
     // The usual order and not the wanted ones first: what acts as something else is not seen because the
     // other was left out.
     let names = identify::order_of(&excluded(request))?;
@@ -146,7 +147,25 @@ pub(super) fn basis(
     // volume that one cares about: in a box of a few millimetres a cubic would be trusted with anything.
     let travel_mm = Volume::travel_mm(machine);
     let volume = Volume::new(machine, &test.mountings()[0].mounting, travel_mm, SIZE_STEPS, &kept);
-    Ok(information::basis(&volume, SEEN_UM * 1e-3, SET_UP_MM))
+    let basis = information::basis(&volume, SEEN_UM * 1e-3, SET_UP_MM);
+    // What only a second tool can tell is estimated with it, but nobody wants it for its own sake.
+    let usual = test.mountings()[0].mounting.tool_ball_mm;
+    let of_tool: Vec<(&SetUpCandidate, Vec<&Arc>)> =
+        few.into_iter().filter(|(set_up, _)| set_up.mounting.tool_ball_mm == usual).collect();
+    let of_tool = information::tellable(machine, &order, &of_tool, request.most_mountings)?;
+    let named = named(request)?;
+    let wanted = match wanted(request)? {
+        Some(wanted) => wanted,
+        None => order
+            .iter()
+            .enumerate()
+            .filter(|(k, c)| of_tool.kept.contains(k) || named.contains(c))
+            .map(|(_, c)| *c)
+            .collect(),
+    };
+    let order_of_basis = basis.coefficients.iter().copied();
+    let wanted = order_of_basis.filter(|c| wanted.contains(c)).collect();
+    Ok((basis, wanted))
 }
 
 /// Which wanted coefficient no candidate can see, and why.

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::candidates::{SetUpCandidate, candidate_arcs, set_up_candidates};
-use super::choosable::{basis, drivable, excluded, volume_mm, wanted};
+use super::choosable::{basis, drivable, excluded, volume_mm};
 use super::given::Measured;
 use super::information::{ArcInformation, Basis};
 use super::ordering;
@@ -88,6 +88,7 @@ pub struct Designer<'a> {
     set_ups: Vec<SetUpCandidate>,
     arcs: Vec<Arc>,
     basis: Basis,
+    wanted: Vec<Coefficient>,
     problem: Problem,
 }
 
@@ -108,7 +109,7 @@ impl<'a> Designer<'a> {
         let arcs = candidate_arcs(request.step_rad);
         let set_ups = set_up_candidates(test, request, machine)?;
         let drivable = drivable(test, machine, &set_ups, &arcs, plan.feed_in_mm)?;
-        let basis = basis(test, request, machine, &set_ups, &arcs, &drivable)?;
+        let (basis, wanted) = basis(test, request, machine, &set_ups, &arcs, &drivable)?;
         let first = &test.mountings()[0].mounting;
         let range_mm = volume_mm(test, request, machine)?;
         let bar = test.ball_bar();
@@ -156,11 +157,7 @@ impl<'a> Designer<'a> {
             measured.belongs_to(machine)?;
             measured.add_to(&mut known, &basis, machine)?;
         }
-        let wanted = wanted(request)?;
-        let is_wanted = |k: usize| match &wanted {
-            Some(wanted) => wanted.contains(&basis.coefficients[k]),
-            None => true,
-        };
+        let is_wanted = |k: usize| wanted.contains(&basis.coefficients[k]);
         let fields = |steps: usize| {
             let mut volume = Volume::new(machine, first, range_mm, steps, &basis.coefficients);
             // What is not wanted counts for nothing.
@@ -172,6 +169,7 @@ impl<'a> Designer<'a> {
         };
         let objective = Objective {
             criterion: request.criterion,
+            wanted: (0..basis.coefficients.len()).filter(|&k| is_wanted(k)).collect(),
             mean_square: fields(MEAN_STEPS).mean_square(),
             points: match request.criterion {
                 Criterion::G => {
@@ -189,7 +187,7 @@ impl<'a> Designer<'a> {
             known,
             most_set_ups: request.most_mountings,
         };
-        Ok(Self { test, machine, request, set_ups, arcs, basis, problem })
+        Ok(Self { test, machine, request, set_ups, arcs, basis, wanted, problem })
     }
 
     /// Number of candidate set-ups and of candidate arcs that can be driven in one or another of them.
@@ -239,7 +237,7 @@ impl<'a> Designer<'a> {
         Ok(Proposal {
             set_ups,
             candidates: self.candidates(),
-            wanted: wanted(self.request)?.unwrap_or_else(|| self.basis.coefficients.clone()),
+            wanted: self.wanted.clone(),
             basis: self.basis.coefficients.clone(),
             value: [self.problem.value_before(), chosen.value].map(|value| self.told(value)),
             bound: self.told(chosen.bound),
@@ -268,7 +266,7 @@ impl<'a> Designer<'a> {
     fn told(&self, value: f64) -> f64 {
         match self.request.criterion {
             Criterion::A | Criterion::G => value.max(0.0).sqrt(),
-            Criterion::D => 0.5 * value / self.basis.coefficients.len() as f64,
+            Criterion::D => 0.5 * value / self.wanted.len() as f64,
         }
     }
 

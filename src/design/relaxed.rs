@@ -111,7 +111,7 @@ impl Problem {
         let value = self.objective.value(corner, n);
         let q = match self.objective.criterion {
             Criterion::A => self.objective.mean_square.clone(),
-            Criterion::D => Cholesky::of(corner)?.inverse(),
+            Criterion::D => self.objective.inverse_of_wanted(corner)?,
             Criterion::G => {
                 let points = &self.objective.points;
                 let variances: Vec<f64> = points.iter().map(|j| variance(j, corner)).collect();

@@ -7,7 +7,7 @@
 //! | criterion | value | gain |
 //! | --- | --- | --- |
 //! | A | `trace(W C)`, the mean square over the volume | `trace(Z W Z^T)` |
-//! | D | `ln det C`, over the coefficients | `-ln det(I - Z C^-1 Z^T)` |
+//! | D | `ln det C`, over the wanted coefficients | `-ln det(I - Z C^-1 Z^T)` |
 //! | G | `(mean of v^4)^(1/4)` over points, `v = trace(J C J^T)` | by `v' = v - |J Z^T|²` |
 //!
 //! G's largest value has no slope where another point is nearly as bad; a high power of it has.
@@ -24,13 +24,13 @@ use crate::solve::{Cholesky, Matrix};
 
 /// Power of the mean that stands for the worst point.
 pub(super) const POWER: i32 = 4;
-/// So many of them are filled with arcs.
-const FILLED: usize = 1;
 
 /// What is to be small.
 #[derive(Debug, Clone)]
 pub(super) struct Objective {
     pub(super) criterion: Criterion,
+    /// Indices of the wanted coefficients, which D counts.
+    pub(super) wanted: Vec<usize>,
     /// `W`, over the coefficients, mm² in their sizes.
     pub(super) mean_square: Matrix,
     /// `J` of the points, [`ROWS`](super::volume) rows each, mm.
@@ -67,13 +67,35 @@ impl Objective {
         let corner = Matrix::from_fn(coefficients, coefficients, |i, k| c[(i, k)]);
         match self.criterion {
             Criterion::A => trace_of_product(&self.mean_square, &corner),
-            Criterion::D => Cholesky::of(&corner).map_or(f64::INFINITY, |f| f.log_determinant()),
+            Criterion::D => {
+                let c = self.of_wanted(&corner);
+                Cholesky::of(&c).map_or(f64::INFINITY, |f| f.log_determinant())
+            }
             Criterion::G => {
                 let variances: Vec<f64> =
                     self.points.iter().map(|j| variance(j, &corner)).collect();
                 power_mean(&variances)
             }
         }
+    }
+}
+
+impl Objective {
+    /// Rows and columns of the wanted coefficients.
+    fn of_wanted(&self, corner: &Matrix) -> Matrix {
+        let wanted = &self.wanted;
+        Matrix::from_fn(wanted.len(), wanted.len(), |i, k| corner[(wanted[i], wanted[k])])
+    }
+
+    /// `C^-1` of the wanted coefficients, in the place of theirs, zero elsewhere.
+    pub(super) fn inverse_of_wanted(&self, corner: &Matrix) -> Option<Matrix> {
+        let inverse = Cholesky::of(&self.of_wanted(corner))?.inverse();
+        let place = |k: usize| self.wanted.iter().position(|&wanted| wanted == k);
+        let places: Vec<Option<usize>> = (0..corner.rows()).map(place).collect();
+        Some(Matrix::from_fn(corner.rows(), corner.rows(), |i, k| match (places[i], places[k]) {
+            (Some(i), Some(k)) => inverse[(i, k)],
+            _ => 0.0,
+        }))
     }
 }
 
@@ -107,11 +129,16 @@ pub(super) struct Step {
 impl Problem {
     /// Chooses set-ups and arcs for a budget, s; `None` if not one arc of one set-up fits.
     pub(super) fn solve(&self, budget_s: f64) -> Option<Chosen> {
-        let choices = self.choices(budget_s);
-        let filled = choices
-            .into_iter()
-            .take(FILLED)
-            .map(|set_ups| self.fill(&set_ups, budget_s, super::filling::LOOKS));
+        // The shares do not rank choices of different size: the best of each is filled.
+        let mut choices = self.choices(budget_s);
+        let mut sizes: Vec<usize> = Vec::new();
+        choices.retain(|set_ups| {
+            let first = !sizes.contains(&set_ups.len());
+            sizes.push(set_ups.len());
+            first
+        });
+        let looks = super::filling::LOOKS / choices.len().max(1);
+        let filled = choices.into_iter().map(|set_ups| self.fill(&set_ups, budget_s, looks));
         filled
             .filter(|chosen| !chosen.arcs.is_empty())
             .reduce(|best, next| if next.value < best.value { next } else { best })
@@ -186,7 +213,7 @@ impl Problem {
             .collect();
         let corner = Matrix::from_fn(n, n, |i, k| c[(i, k)]);
         let inverse = match self.objective.criterion {
-            Criterion::D => Some(Cholesky::of(&corner)?.inverse()),
+            Criterion::D => Some(self.objective.inverse_of_wanted(&corner)?),
             _ => None,
         };
         let variances = match self.objective.criterion {
@@ -269,6 +296,7 @@ mod tests {
             coefficients: 3,
             objective: Objective {
                 criterion,
+                wanted: vec![0, 2],
                 mean_square: square,
                 points: vec![
                     Matrix::from_fn(2, 3, |i, k| (1 + i + k) as f64),

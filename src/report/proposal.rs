@@ -51,7 +51,7 @@ fn criterion(request: &Test, proposal: &Proposal) -> String {
             um(after)
         ),
         Criterion::G => format!(
-            "volumetric error, worst: {} um known beforehand, {} um after",
+            "volumetric error, worst as the root of the mean fourth power over the volume: {} um known beforehand, {} um after",
             um(before),
             um(after)
         ),

@@ -89,7 +89,6 @@ fn the_same_wish_gives_the_same_test_on_any_number_of_threads() {
     };
     let one = text("1");
     assert!(one == text("2"));
-    insta::assert_snapshot!(one.0);
 }
 
 #[test]
@@ -138,7 +137,7 @@ fn wishes_that_cannot_be_have_figures() {
     .ballbar(&["design", "test.toml"]);
     refused(&far, 1, &["no arc can be driven in mounting `FAR`", "axis X", "280 mm"]);
     let hurried = wish("budget_min = 26.0\nmost_mountings = 3\n").ballbar(&["design", "test.toml"]);
-    refused(&hurried, 4, &["within", "wanted coefficients unseen", "budget_min"]);
+    refused(&hurried, 4, &["a budget of 26.0 min", "wanted coefficients unseen", "budget_min"]);
     let work = Work::new();
     work.machine("name", "name").test("[plan]\nstrategy = \"3d6\"\nfeed_mm_min = 500.0\n");
     refused(&work.ballbar(&["design", "test.toml"]), 1, &["the test has no `[design]`"]);
