@@ -13,8 +13,8 @@ use crate::plan::{Arc, DesignRequest, Test};
 
 /// Points an axis over the volume that the sizes of the coefficients come from.
 const SIZE_STEPS: usize = 5;
-/// What a set-up error is trusted with, mm.
-const SET_UP_MM: f64 = 0.1;
+/// A set-up error is known to this beforehand, mm: nobody sets up a ball worse than by 0.1 mm.
+pub(super) const SET_UP_MM: f64 = 0.1;
 /// Rank is looked at over every so many arcs: more show nothing new ...
 const FEW_ARCS: usize = 7;
 /// ... but over at least so many of a set-up, if it has them.

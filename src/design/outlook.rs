@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::choosable::SET_UP_MM;
 use super::planned::PlannedProgram;
 use super::volume::{Volume, VolumeSigma, of_coefficients};
 use crate::error::{Error, Result};
@@ -15,8 +16,6 @@ use crate::solve::NullDirection;
 
 /// Points an axis of the grid over the working volume.
 const VOLUME_STEPS: usize = 7;
-/// A set-up error is known to this beforehand, mm: nobody sets up a ball worse than by 0.1 mm.
-const SET_UP_MM: f64 = 0.1;
 
 /// Time by kind, s. What the operator takes is the test file's assumption; the rest is the machine's.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
