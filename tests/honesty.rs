@@ -292,3 +292,36 @@ fn the_foretold_sigma_of_a_designed_test_is_the_scatter_of_simulated_tests() {
     let all = rms(ratios.iter().map(|(ratio, _)| *ratio));
     assert!((0.94..1.06).contains(&all), "{all}");
 }
+
+/// On logs that this code did not make: with the noise stated as they show it, the rehearsal of the test
+/// foretells what the fit of each log then states.
+#[test]
+fn the_foretold_sigma_is_what_measured_logs_state() {
+    let bench = Bench::new("hu40t");
+    let measured = identify::campaign(&bench.test, &bench.machine, &|| ()).unwrap();
+    // As docs/guide.md says.
+    let noise = &measured[0].noise;
+    let rho = noise.autocorrelation(3);
+    let mut bar = bench.bar().clone();
+    bar.noise_mm = noise.sigma();
+    bar.correlated_mm = noise.sigma() * rho[1] / rho[2].sqrt();
+    bar.correlation_s = -bar.sample_rate_hz.recip() / (rho[2] / rho[1]).ln();
+    // The steps of the reading are in the noise that was found.
+    bar.resolution_mm = 1e-9;
+    let named = &bench.test.mountings()[0];
+    let run = identify::rehearse(&bench.program, &bench.machine, &bar, 0, named).unwrap();
+    let terms = model::terms(&bench.test.estimation().terms, &["A".to_owned()]).unwrap();
+    let model = Model::new(&bench.machine, vec![bench.mounting], terms);
+    let options = Options { noise_mm: bar.noise_mm, ..Options::of(&bench.test) };
+    let noise = identify::stated_noise(&bar);
+    let foretold = identify::predict(&model, vec![run], &options, &noise).unwrap();
+    assert_eq!((measured.len(), foretold.sigmas.len()), (5, 38));
+    let mut ratios: Vec<f64> = measured
+        .iter()
+        .flat_map(|repeat| repeat.estimates.iter().zip(&foretold.sigmas))
+        .map(|(estimate, sigma)| estimate.sigma / sigma)
+        .collect();
+    ratios.sort_by(f64::total_cmp);
+    println!("{:.3} to {:.3}, all {:.3}", ratios[0], ratios[189], rms(ratios.iter().copied()));
+    assert!(ratios[0] > 0.9 && ratios[189] < 1.1, "{} to {}", ratios[0], ratios[189]);
+}

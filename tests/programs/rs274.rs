@@ -20,13 +20,8 @@ pub(crate) fn installed(tool: &str) -> bool {
     found_or_skipped(found.is_ok_and(|output| output.status.success()), tool)
 }
 
-/// Whether an outside package lies in a directory.
-#[allow(dead_code)]
-pub(crate) fn present(package: &str, directory: &std::path::Path) -> bool {
-    found_or_skipped(directory.join(package).is_dir(), package)
-}
-
-fn found_or_skipped(found: bool, tool: &str) -> bool {
+/// Whether a tool was found; if not, says that the test is skipped, or in CI fails it.
+pub(crate) fn found_or_skipped(found: bool, tool: &str) -> bool {
     if found {
         return true;
     }
