@@ -61,7 +61,7 @@ impl Measured {
     fn rows(&self, model: &Model, mut push: impl FnMut(&[f64], f64)) {
         let mut row = vec![0.0; COLUMNS];
         for (pose, deviation_mm) in self.poses.iter().zip(&self.deviations_mm) {
-            model.row(&model.situation(pose, 0), &mut row);
+            model.row(&model.situation(pose, &model::Motion::REST, 0), &mut row);
             push(&row, *deviation_mm);
         }
     }

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use ballbar::machine::Machine;
-use ballbar::motion::Trajectory;
+use ballbar::motion::{Reversals, Trajectory};
 use ballbar::nc::{self, Reading};
 use nalgebra::Vector3;
 
@@ -146,4 +146,28 @@ fn exact_stop_stops_at_every_block() {
     assert_near(through.end_s(), trapezoid_s(4.0, 10.0, 500.0));
     let stopping = driven(&machine("", ""), &format!("G61 G01 F600.\n{chords}"));
     assert_near(stopping.end_s(), 4.0 * trapezoid_s(1.0, 10.0, 500.0));
+}
+
+#[test]
+fn a_slide_reverses_where_it_begins_to_move_back() {
+    let plain = machine("", "");
+    // Half a circle in XY: X turns at its ends only, Y in the middle of the arc.
+    let trajectory = driven(
+        &plain,
+        "G01 X10. Y-1. F600.\nG01 Y0.\nG03 X-10. I-10. J0.\nG01 X-12.\nG04 P2000\nG01 X-10.",
+    );
+    let reversals = Reversals::of(&trajectory);
+    let state = trajectory.at(trajectory.end_s());
+    let [x, y, z] = reversals.last(trajectory.end_s(), &state.position_mm);
+    let x = x.unwrap();
+    assert_near(x.ago_mm, 2.0);
+    assert_near(x.ago_s, trapezoid_s(2.0, 10.0, 500.0));
+    // Y ran up to the top of the arc and down again.
+    let y = y.unwrap();
+    assert_near(y.ago_mm, 10.0);
+    assert!(z.is_none(), "Z never moved");
+    let before_s = trajectory.end_s() - trapezoid_s(2.0, 10.0, 500.0) - 2.0;
+    let state = trajectory.at(before_s);
+    // X came with its first motion, began the arc against it, and has gone on in that sense since.
+    assert_near(reversals.last(before_s, &state.position_mm)[0].unwrap().ago_mm, 22.0);
 }

@@ -9,7 +9,8 @@ use super::{Mark, MarkKind, Section, TimeMap, ramp, section, stops};
 use crate::error::{Error, Kind, Result};
 use crate::log::Log;
 use crate::machine::{Machine, Mounting, Pose};
-use crate::motion::Trajectory;
+use crate::model::Motion;
+use crate::motion::{Reversals, Trajectory};
 use crate::nc::Program;
 use crate::plan::BallBar;
 
@@ -41,8 +42,8 @@ pub struct Sample {
     pub deviation_mm: f64,
     /// Axis positions and senses.
     pub pose: Pose,
-    /// Velocity, mm/s.
-    pub velocity_mm_s: Vector3<f64>,
+    /// How the machine moved there.
+    pub motion: Motion,
     /// Where in the program.
     pub place: Place,
     /// Index of the leg of the time map.
@@ -66,6 +67,7 @@ pub struct Alignment {
     pub samples: Vec<Sample>,
     /// Sample period of the log, s.
     pub sample_period_s: f64,
+    reversals: Reversals,
     coincidence_mm: Vector3<f64>,
     /// Readings in engagements: log time, line, deviation.
     readings: Vec<(f64, usize, f64)>,
@@ -103,7 +105,11 @@ impl Alignment {
                 time_sigma_s: time_map.sigma_s(log_s, moment.leg),
                 deviation_mm,
                 pose: Pose { position_mm: state.position_mm, sense: state.sense },
-                velocity_mm_s: state.velocity_mm_s,
+                motion: Motion {
+                    velocity_mm_s: state.velocity_mm_s,
+                    elapsed_s: time_map.on_leg_s(log_s, 0),
+                    reversals: self.reversals.last(moment.program_s, &state.position_mm),
+                },
                 place,
                 leg: moment.leg,
             });
@@ -209,6 +215,7 @@ fn lay(
         .filter_map(|r| r.deviation_mm.map(|deviation| (r.time_s, r.line, deviation)))
         .collect();
     let mut alignment = Alignment {
+        reversals: Reversals::of(&trajectory),
         trajectory,
         time_map,
         marks,

@@ -329,7 +329,7 @@ impl<'a> Fit<'a> {
     ) {
         row.fill(0.0);
         let run = &self.runs[index];
-        let situation = self.model.situation(&sample.pose, run.mounting);
+        let situation = self.model.situation(&sample.pose, &sample.motion, run.mounting);
         self.model.row(&situation, &mut row[..self.columns.coefficients]);
         if let Some(offset) = self.columns.offset(index, sample.leg) {
             row[offset] = -speed_mm_s;

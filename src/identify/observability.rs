@@ -11,7 +11,7 @@ use rand_pcg::Pcg64Mcg;
 use super::sentence;
 use crate::error::{Error, Result};
 use crate::machine::{Axis, Machine, Mounting, Pose};
-use crate::model::{Coefficient, Model, Parameter, SetUp, Situation, terms};
+use crate::model::{Coefficient, Model, Motion, Parameter, SetUp, Situation, terms};
 use crate::plan::Arc;
 use crate::solve::{Choice, NullDirection, Spectrum, Triangle, Truncation, Tsqr};
 
@@ -120,7 +120,7 @@ impl<'a> Gather<'a> {
         let at = self.model.mountings()[mounting];
         for arc in arcs {
             for pose in ideal_poses(&at, arc, bar_mm, points) {
-                let situation = self.model.situation(&pose, mounting);
+                let situation = self.model.situation(&pose, &Motion::REST, mounting);
                 let size = (pose.position_mm.abs() + at.coincidence_mm.abs()) / bar_mm;
                 self.push(&situation, &size);
             }

@@ -73,7 +73,8 @@ pub(super) fn records(
         .enumerate()
         .map(|(k, sample)| {
             let pose: &Pose = &sample.pose;
-            let predicted_mm = model.length_mm(values, pose, run.mounting) - run.nominal_mm;
+            let predicted_mm =
+                model.length_mm(values, pose, &sample.motion, run.mounting) - run.nominal_mm;
             Record {
                 predicted_mm,
                 residual_mm: sample.deviation_mm - predicted_mm,

@@ -66,7 +66,7 @@ pub(super) fn view(
 ) -> View {
     let coincidence_mm = run.alignment.coincidence_mm();
     let predicted = |pose: &Pose| {
-        let length_mm = model.length_mm(values, pose, run.mounting);
+        let length_mm = model.length_mm(values, pose, &sample.motion, run.mounting);
         match detail {
             Detail::Full => length_mm - run.nominal_mm,
             Detail::Smooth => length_mm - (pose.position_mm - coincidence_mm).norm(),
@@ -159,7 +159,7 @@ pub(super) fn doubts(model: &Model, values: &[f64], run: &RunInput) -> Vec<Doubt
         for sample in of_leg {
             let state = run.alignment.trajectory.at(sample.program_s + shift_s);
             let pose = Pose { position_mm: state.position_mm, sense: state.sense };
-            let length_mm = model.length_mm(values, &pose, run.mounting);
+            let length_mm = model.length_mm(values, &pose, &sample.motion, run.mounting);
             sum += (sample.deviation_mm - (length_mm - run.nominal_mm)).powi(2);
             count += 1.0;
         }
@@ -248,7 +248,9 @@ impl<'a> Held<'a> {
     /// Sum of squares with steps and facets a shift later, mm².
     fn misfit(&self, shift_s: f64) -> f64 {
         let coincidence_mm = self.run.alignment.coincidence_mm();
-        let length_mm = |pose: &Pose| self.model.length_mm(self.values, pose, self.run.mounting);
+        let length_mm = |pose: &Pose, sample: &Sample| {
+            self.model.length_mm(self.values, pose, &sample.motion, self.run.mounting)
+        };
         self.readings
             .iter()
             .map(|(sample, slow_mm)| {
@@ -258,7 +260,7 @@ impl<'a> Held<'a> {
                     0.0
                 } else {
                     let turned = Pose { sense: state.sense, ..sample.pose };
-                    length_mm(&turned) - length_mm(&sample.pose)
+                    length_mm(&turned, sample) - length_mm(&sample.pose, sample)
                 };
                 (slow_mm - facet_mm - step_mm).powi(2)
             })

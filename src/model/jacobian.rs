@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::Motion;
 use super::functions::basis;
 use crate::machine::{Axis, Machine, Mounting, Pose};
 
@@ -23,6 +24,8 @@ pub struct SlideGradient {
 pub struct Situation {
     /// The pose.
     pub pose: Pose,
+    /// How the machine moves there.
+    pub motion: Motion,
     /// Index of the mounting.
     pub mounting: usize,
     /// Unit vector from the workpiece ball to the tool ball without errors.
@@ -34,7 +37,7 @@ pub struct Situation {
 }
 
 impl Situation {
-    /// The situation at a pose.
+    /// The situation at a pose of a machine that stands still.
     ///
     /// `None` where the two balls coincide, because the bar has no direction there.
     pub fn new(machine: &Machine, mounting: &Mounting, index: usize, pose: &Pose) -> Option<Self> {
@@ -62,6 +65,6 @@ impl Situation {
             }
         });
         let basis = [0, 1, 2].map(|i| basis(pose.position_mm[i], pose.sense[i]));
-        Self { pose: *pose, mounting: index, direction, slides, basis }
+        Self { pose: *pose, motion: Motion::REST, mounting: index, direction, slides, basis }
     }
 }

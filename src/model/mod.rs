@@ -6,17 +6,26 @@
 //! directions of the machine frame, and they describe the displacement of *that slide*. With the six
 //! set-up errors of the two balls this makes 96 names.
 //!
+//! [`CAUSES`] are what a machine may do beyond that; an [`Effect`] is one of them at work, and [`Motion`]
+//! is what effects depend on besides position and sense.
+//!
 //! A [`Term`] is the unit of the model: a name, parameters with units, columns over samples, and the
 //! way it bends the exact chain. Extending the model is adding a term.
 
+mod cause;
 mod coefficient;
+mod effect;
 mod functions;
 mod jacobian;
+mod motion;
 mod sets;
 mod term;
 
+pub use cause::{AMPLITUDE, CAUSES, Cause, Key, SeatKind};
 pub use coefficient::{Ball, Coefficient, Component, Power, SetUp};
+pub use effect::{Effect, Seat};
 pub use functions::ErrorFunctions;
 pub use jacobian::{Situation, SlideGradient};
+pub use motion::{Motion, Reversal};
 pub use sets::{COMPLETE, NAMED_SETS, coefficients, terms};
 pub use term::{Model, Parameter, Term};

@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use nalgebra::Vector3;
 
-use super::{Ball, Coefficient, SetUp, Situation};
+use super::{Ball, Coefficient, Motion, SetUp, Situation};
 use crate::machine::{Axis, ChainErrors, Machine, Mounting, Pose};
 
 /// A number that a term estimates.
@@ -30,7 +30,20 @@ pub trait Term: Debug + Send + Sync {
     fn columns(&self, at: &Situation, out: &mut [f64]);
 
     /// Adds what the parameters' values do to the exact chain.
-    fn bend(&self, values: &[f64], at: &Pose, mounting: usize, errors: &mut ChainErrors);
+    fn bend(
+        &self,
+        values: &[f64],
+        at: &Pose,
+        motion: &Motion,
+        mounting: usize,
+        errors: &mut ChainErrors,
+    );
+
+    /// What the parameters' values add to the length without bending the chain, mm, with the bar along a
+    /// unit vector: what belongs to the bar and the balls themselves.
+    fn lengthen(&self, _values: &[f64], _motion: &Motion, _direction: &Vector3<f64>) -> f64 {
+        0.0
+    }
 }
 
 impl Term for Coefficient {
@@ -46,7 +59,14 @@ impl Term for Coefficient {
             along[self.component.direction()] * at.basis[self.slide.index()][self.power as usize];
     }
 
-    fn bend(&self, values: &[f64], at: &Pose, _mounting: usize, errors: &mut ChainErrors) {
+    fn bend(
+        &self,
+        values: &[f64],
+        at: &Pose,
+        _motion: &Motion,
+        _mounting: usize,
+        errors: &mut ChainErrors,
+    ) {
         let i = self.slide.index();
         let basis = super::functions::basis(at.position_mm[i], at.sense[i]);
         let slide = &mut errors.slides[i];
@@ -86,7 +106,14 @@ impl Term for SetUpTerm {
         };
     }
 
-    fn bend(&self, values: &[f64], _at: &Pose, mounting: usize, errors: &mut ChainErrors) {
+    fn bend(
+        &self,
+        values: &[f64],
+        _at: &Pose,
+        _motion: &Motion,
+        mounting: usize,
+        errors: &mut ChainErrors,
+    ) {
         if mounting == self.mounting {
             let ball = match self.set_up.ball {
                 Ball::Tool => &mut errors.tool_ball_mm,
@@ -139,7 +166,7 @@ impl<'a> Model<'a> {
     }
 
     /// Length between the balls through the exact chain, mm.
-    pub fn length_mm(&self, values: &[f64], pose: &Pose, mounting: usize) -> f64 {
+    pub fn length_mm(&self, values: &[f64], pose: &Pose, motion: &Motion, mounting: usize) -> f64 {
         // A perfect machine puts the balls where the inverse kinematics say.
         if values.iter().all(|value| *value == 0.0) {
             return (pose.position_mm - self.mountings[mounting].coincidence_mm).norm();
@@ -148,24 +175,30 @@ impl<'a> Model<'a> {
         let mut column = 0;
         for term in &self.terms {
             let next = column + term.parameter_count();
-            term.bend(&values[column..next], pose, mounting, &mut errors);
+            term.bend(&values[column..next], pose, motion, mounting, &mut errors);
             column = next;
         }
-        self.machine.ball_vector_mm(&self.mountings[mounting], &pose.position_mm, &errors).norm()
+        let ball_mm =
+            self.machine.ball_vector_mm(&self.mountings[mounting], &pose.position_mm, &errors);
+        let length_mm = ball_mm.norm();
+        let direction = ball_mm / length_mm.max(f64::MIN_POSITIVE);
+        let mut column = 0;
+        let longer = self.terms.iter().map(|term| {
+            let next = column + term.parameter_count();
+            let of = &values[column..next];
+            column = next;
+            term.lengthen(of, motion, &direction)
+        });
+        length_mm + longer.sum::<f64>()
     }
 
     /// The situation at a pose; where the balls coincide the bar is taken to point along Z.
-    pub fn situation(&self, pose: &Pose, mounting: usize) -> Situation {
-        Situation::new(self.machine, &self.mountings[mounting], mounting, pose).unwrap_or_else(
-            || {
-                Situation::along(
-                    self.machine,
-                    &self.mountings[mounting],
-                    mounting,
-                    pose,
-                    Vector3::ith(Axis::Z.index(), 1.0),
-                )
-            },
-        )
+    pub fn situation(&self, pose: &Pose, motion: &Motion, mounting: usize) -> Situation {
+        let balls = &self.mountings[mounting];
+        let at = Situation::new(self.machine, balls, mounting, pose).unwrap_or_else(|| {
+            let up = Vector3::ith(Axis::Z.index(), 1.0);
+            Situation::along(self.machine, balls, mounting, pose, up)
+        });
+        Situation { motion: *motion, ..at }
     }
 }

@@ -15,7 +15,9 @@
 mod bell;
 mod limits;
 mod profile;
+mod reversals;
 mod trajectory;
 
 pub use profile::Profile;
+pub use reversals::Reversals;
 pub use trajectory::{Block, BlockKind, Duration, State, Trajectory};

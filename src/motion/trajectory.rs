@@ -173,6 +173,39 @@ impl Trajectory {
         times
     }
 
+    /// When (s) and where (mm) one slide begins to move against its last motion, in order.
+    pub(super) fn turns(&self, slide: usize) -> Vec<(f64, f64)> {
+        let mut turns = Vec::new();
+        let mut sense = 0.0;
+        let mut meet = |now: f64, at: (f64, f64)| {
+            if now * sense < 0.0 {
+                turns.push(at);
+            }
+            sense = now;
+        };
+        for block in &self.blocks {
+            let Some((motion, profile)) = &block.motion else { continue };
+            // The tangent of an arc leaves a slide's direction at its extremes only.
+            let mut shares = motion.extreme_shares();
+            shares.sort_by(f64::total_cmp);
+            let ends: Vec<f64> = shares.iter().copied().chain([1.0]).collect();
+            let begins = std::iter::once(0.0).chain(shares);
+            for (begin, end) in begins.zip(ends) {
+                let along = motion.at(0.5 * (begin + end)).1[slide];
+                if along.abs() > 1e-12 {
+                    let into_s = if begin > 0.0 {
+                        profile.time_of_s(begin * motion.length_mm())
+                    } else {
+                        0.0
+                    };
+                    let at_mm = motion.at(begin).0[slide];
+                    meet(along.signum(), (block.start_s + into_s, at_mm));
+                }
+            }
+        }
+        turns
+    }
+
     /// Time by kind.
     pub fn duration(&self) -> Duration {
         let mut total = Duration::default();

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use ballbar::align::{Place, Sample};
 use ballbar::identify::Identification;
-use ballbar::machine::Pose;
+
 use ballbar::nc::{self, Action, Move, Program, Step};
 use nalgebra::{Rotation3, Unit, Vector3};
 
@@ -204,11 +204,11 @@ fn planes(what: &str, edit: impl Fn(Program) -> Program) -> Planes {
         model.parameters().iter().map(|p| truth.coefficient(&p.name)).collect();
     let mut off_um = Vec::new();
     for (run, records) in found.runs.iter().zip(&found.records) {
-        let length_mm = |values: &[f64], pose: &Pose| model.length_mm(values, pose, run.mounting);
+        let length_mm =
+            |values: &[f64], s: &Sample| model.length_mm(values, &s.pose, &s.motion, run.mounting);
         let used = run.alignment.samples.iter().zip(records).filter(|(_, record)| record.used);
-        let of_run: Vec<f64> = used
-            .map(|(s, _)| 1e3 * (length_mm(&values, &s.pose) - length_mm(&true_values, &s.pose)))
-            .collect();
+        let of_run: Vec<f64> =
+            used.map(|(s, _)| 1e3 * (length_mm(&values, s) - length_mm(&true_values, s))).collect();
         println!(
             "{what} {}: residual {:.4} um; predicted minus true: mean {:.4}, rms {:.4} um",
             run.name,

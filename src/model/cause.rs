@@ -1,0 +1,335 @@
+//! The library of causes: what a machine or a bar may do beyond cubics and hysteresis.
+//!
+//! A cause is known by its name, acts on a [`SeatKind`], and has numbers with units. The table is the
+//! one vocabulary of `simulate --hide`, of `model.toml`, of diagnosis and of the trial; what a cause does
+//! to the machine the simulator works out by itself, and what it does to the readings diagnosis does.
+
+/// What a cause acts on: the key `on` of an [`Effect`](super::Effect).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SeatKind {
+    /// An error function, such as `EXX` or `EBZ`.
+    Function,
+    /// An angular error function only, such as `EBZ`.
+    Angle,
+    /// A slide: `X`, `Y` or `Z`.
+    Slide,
+    /// What warms: a ball (`EZt`, `EXw`), the scale of a slide (`EXX1`) or the bar (`bar`).
+    Body,
+    /// A ball: `EXt` .. `EZw`.
+    Ball,
+    /// A ball of the tool or the bar's own length: `EXt`, `EYt`, `EZt`, `bar`.
+    Reading,
+    /// A coefficient of the paper, such as `EBX3`.
+    Coefficient,
+    /// Nothing: it acts on the whole.
+    None,
+}
+
+/// A number of a cause.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Key {
+    /// Its name with the unit in which it is written; `amplitude` takes the unit of what the cause acts
+    /// on: `amplitude_um`, `amplitude_urad` or, for a scale, `amplitude_um_m`.
+    pub name: &'static str,
+    /// What a number in the written unit is multiplied by to be in mm, s, rad.
+    pub si: f64,
+    /// What it is where it is not given; `None` where it must be.
+    pub default: Option<f64>,
+    /// From .. to, in the written unit.
+    pub limits: [f64; 2],
+}
+
+/// The name of the key whose unit hangs on the seat.
+pub const AMPLITUDE: &str = "amplitude";
+
+/// One cause.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cause {
+    /// Its name, such as `cyclic`.
+    pub id: &'static str,
+    /// In words.
+    pub title: &'static str,
+    /// What it acts on.
+    pub seat: SeatKind,
+    /// Its numbers.
+    pub keys: &'static [Key],
+    /// What it does, as an equation; `A` is the amplitude, `h` the position of a slide (mm), `b` its
+    /// sense, `v` its velocity, `t` the time since the program began.
+    pub equation: &'static str,
+    /// Where it comes from.
+    pub source: &'static str,
+    /// What a technician does about it.
+    pub remedy: &'static str,
+    /// What it is easily taken for.
+    pub taken_for: &'static str,
+    /// Whether diagnosis looks for it; what it does not know is there to be hidden from it.
+    pub known: bool,
+}
+
+impl PartialEq<str> for Cause {
+    fn eq(&self, id: &str) -> bool {
+        self.id == id
+    }
+}
+
+const fn key(name: &'static str, si: f64, default: Option<f64>, limits: [f64; 2]) -> Key {
+    Key { name, si, default, limits }
+}
+
+const AMPLITUDE_KEY: Key = key(AMPLITUDE, f64::NAN, None, [-1e4, 1e4]);
+const MINUTE_S: f64 = 60.0;
+
+/// All causes, in the order in which equally good ones are named.
+pub const CAUSES: &[Cause] = &[
+    Cause {
+        id: "cyclic",
+        title: "cyclic error of a screw or scale",
+        seat: SeatKind::Function,
+        keys: &[
+            AMPLITUDE_KEY,
+            key("period_mm", 1.0, None, [0.5, 500.0]),
+            key("phase_rad", 1.0, Some(0.0), [-100.0, 100.0]),
+        ],
+        equation: "E(h) = A sin(2 pi h / period + phase)",
+        source: "a ball screw that runs out or is mounted bent, its encoder out of centre; subdivision of a scale's signal",
+        remedy: "check the screw's bearings, coupling and encoder mounting, or the scale's reading head; a periodic compensation table if the control has one",
+        taken_for: "vibration, where the feed is the same all along; another harmonic of the same pitch",
+        known: true,
+    },
+    Cause {
+        id: "servo",
+        title: "servo mismatch: following error of a slide",
+        seat: SeatKind::Slide,
+        keys: &[key("delay_ms", 1e-3, None, [-1e3, 1e3])],
+        equation: "E_HH = -delay v_H; only differences between the slides are seen",
+        source: "position loops with different gains, or feed-forward on some axes only",
+        remedy: "set equal position gains (Fanuc 1825) and feed-forward on all axes, then repeat at two feeds",
+        taken_for: "squareness at one feed and one direction, a wrong time of the log",
+        known: true,
+    },
+    Cause {
+        id: "reversal-spike",
+        title: "reversal spike of a slide",
+        seat: SeatKind::Slide,
+        keys: &[AMPLITUDE_KEY, key("decay_ms", 1e-3, None, [10.0, 1e5])],
+        equation: "E_HH = A b exp(-(t - t_reversal) / decay); A > 0 overshoots, A < 0 lags",
+        source: "friction turns its sign before the servo has built up the opposite torque",
+        remedy: "tune the backlash acceleration (Fanuc 2048 and following), check the lubrication of the ways",
+        taken_for: "pre-sliding, where all runs had one feed",
+        known: true,
+    },
+    Cause {
+        id: "growing-backlash",
+        title: "backlash that grows along a slide",
+        seat: SeatKind::Function,
+        keys: &[key("slope_um_m", 1e-6, None, [-1e5, 1e5])],
+        equation: "E(h) = slope b h",
+        source: "a nut or a screw worn over part of its travel, a drive that winds up with the free length of its screw",
+        remedy: "measure reversal at several places (ISO 230-2), then replace or preload the nut; compensate by table",
+        taken_for: "a plain reversal error, a squareness that differs with the direction",
+        known: true,
+    },
+    Cause {
+        id: "pre-sliding",
+        title: "backlash that builds up over a distance",
+        seat: SeatKind::Function,
+        keys: &[AMPLITUDE_KEY, key("distance_mm", 1.0, None, [1e-3, 200.0])],
+        equation: "E = A b (1 - 2 exp(-s / distance)), s = way since the reversal",
+        source: "pre-sliding friction: seals, wipers and ways yield elastically before they slide",
+        remedy: "lubrication and wipers; friction compensation by distance rather than by time",
+        taken_for: "a reversal spike, where all runs had one feed",
+        known: true,
+    },
+    Cause {
+        id: "drift",
+        title: "thermal drift",
+        seat: SeatKind::Body,
+        keys: &[AMPLITUDE_KEY, key("time_constant_s", 1.0, None, [1.0, 1e7])],
+        equation: "x = A (1 - exp(-t / time constant)); a long time constant is a straight line",
+        source: "spindle, screw or bar warms or cools during the run",
+        remedy: "let machine and bar come to rest, shorten the test, drive arcs in both orders; spindle growth compensation",
+        taken_for: "a constant of the machine, where all arcs are driven once and in one order; a knock",
+        known: true,
+    },
+    Cause {
+        id: "knock",
+        title: "knock: a ball moved once",
+        seat: SeatKind::Ball,
+        keys: &[
+            key("step_um", 1e-3, None, [-1e4, 1e4]),
+            key("moment_s", 1.0, None, [0.0, 1e6]),
+            key("run", 1.0, Some(1.0), [1.0, 1e4]),
+        ],
+        equation: "x = step for t > moment, in one run",
+        source: "the magnetic cup or the stand was touched, a chip came between ball and cup",
+        remedy: "clean and fasten cup and stand, repeat the run",
+        taken_for: "drift, a reading that was lost",
+        known: true,
+    },
+    Cause {
+        id: "bar-length",
+        title: "calibrated length of the bar",
+        seat: SeatKind::None,
+        keys: &[AMPLITUDE_KEY],
+        equation: "length = A longer than stated",
+        source: "a bar that was not calibrated, or at another temperature",
+        remedy: "calibrate the bar at the temperature of the test; measure with two lengths",
+        taken_for: "the scales of all three slides at once (exactly, with one length)",
+        known: true,
+    },
+    Cause {
+        id: "roundness",
+        title: "roundness of a ball or its seat",
+        seat: SeatKind::None,
+        keys: &[
+            AMPLITUDE_KEY,
+            key("degree", 1.0, None, [2.0, 8.0]),
+            key("order", 1.0, Some(0.0), [-8.0, 8.0]),
+        ],
+        equation: "length = A Y(degree, order; direction of the bar), Y of rms 1 over the sphere",
+        source: "a ball out of round, a worn or dirty magnetic cup",
+        remedy: "turn the ball in its holder and repeat; clean or replace ball and cup",
+        taken_for: "higher degrees of error functions",
+        known: true,
+    },
+    Cause {
+        id: "degree",
+        title: "higher degree of an error function",
+        seat: SeatKind::Function,
+        keys: &[AMPLITUDE_KEY, key("degree", 1.0, None, [4.0, 6.0])],
+        equation: "E(h) = A (h / 100 mm)^degree",
+        source: "guideways bent by their mounting, a screw that sags",
+        remedy: "level and align the ways; compensate by table",
+        taken_for: "roundness of the balls, a local fault of the way",
+        known: true,
+    },
+    Cause {
+        id: "vibration",
+        title: "vibration at a fixed frequency",
+        seat: SeatKind::Reading,
+        keys: &[
+            AMPLITUDE_KEY,
+            key("frequency_hz", 1.0, None, [1e-3, 1e5]),
+            key("phase_rad", 1.0, Some(0.0), [-100.0, 100.0]),
+        ],
+        equation: "x = A sin(2 pi frequency t + phase), another phase in every run",
+        source: "a pump, a fan, a machine beside this one, mains hum of the instrument; seen aliased above half the sample rate",
+        remedy: "switch auxiliaries off one by one; sample faster to tell a frequency from its aliases",
+        taken_for: "a cyclic error, where the feed is the same all along",
+        known: true,
+    },
+    Cause {
+        id: "stick-slip",
+        title: "stick-slip: friction near standstill of a slide",
+        seat: SeatKind::Slide,
+        keys: &[AMPLITUDE_KEY, key("speed_mm_min", 1.0 / MINUTE_S, None, [0.1, 1e5])],
+        equation: "E_HH = -A sign(v) exp(-|v| / speed): the slide lags where it is slow (Stribeck)",
+        source: "friction of the ways rises towards standstill",
+        remedy: "lubrication, another way oil; friction compensation",
+        taken_for: "a reversal spike, pre-sliding",
+        known: true,
+    },
+    Cause {
+        id: "feed-override",
+        title: "feed override other than stated",
+        seat: SeatKind::None,
+        keys: &[key("percent", 1e-2, None, [1.0, 200.0])],
+        equation: "every time at feed is longer by 100 / percent",
+        source: "the knob, or a limit of the control",
+        remedy: "state `feed_override_percent` of the run, or set the knob to 100",
+        taken_for: "a clock that runs wrong",
+        known: true,
+    },
+    Cause {
+        id: "clock",
+        title: "clock of the instrument",
+        seat: SeatKind::None,
+        keys: &[key("ppm", 1e-6, None, [-1e4, 1e4])],
+        equation: "program time = (1 + ppm 1e-6) log time - start",
+        source: "a host that stamps the samples",
+        remedy: "state `clock_ppm` of the bar as it is",
+        taken_for: "a feed override",
+        known: true,
+    },
+    Cause {
+        id: "ball-place",
+        title: "place of the balls other than in the test file",
+        seat: SeatKind::Ball,
+        keys: &[key("offset_mm", 1.0, None, [-1e3, 1e3])],
+        equation: "of the tool ball (EXt ..): the tool is longer; of the workpiece ball (EXw ..): both balls meet elsewhere in the travel",
+        source: "a work offset or a tool length of another set-up",
+        remedy: "read `coincidence_mm` and `tool_ball_mm` of the mounting from the control again",
+        taken_for: "coefficients of the machine",
+        known: true,
+    },
+    Cause {
+        id: "pivot",
+        title: "pivot other than in the machine file",
+        seat: SeatKind::Slide,
+        keys: &[],
+        equation: "angular errors turn about the other of carriage and base",
+        source: "the machine's construction",
+        remedy: "correct `pivot` in the machine file",
+        taken_for: "higher degrees of straightness",
+        known: true,
+    },
+    Cause {
+        id: "coefficient",
+        title: "coefficient that the chosen terms leave out",
+        seat: SeatKind::Coefficient,
+        keys: &[key("value", 1.0, None, [-1.0, 1.0])],
+        equation: "one of the paper's 90",
+        source: "terms chosen for another test",
+        remedy: "add it to `terms`, or let `complete` choose",
+        taken_for: "whatever is like it",
+        known: true,
+    },
+    Cause {
+        id: "bump",
+        title: "local fault of a guideway",
+        seat: SeatKind::Function,
+        keys: &[
+            AMPLITUDE_KEY,
+            key("at_mm", 1.0, None, [-1e4, 1e4]),
+            key("width_mm", 1.0, None, [0.1, 1e4]),
+        ],
+        equation: "E(h) = A exp(-(h - at)^2 / (2 width^2))",
+        source: "a dent, a joint, a worn stretch",
+        remedy: "",
+        taken_for: "",
+        known: false,
+    },
+    Cause {
+        id: "joint",
+        title: "step where a guideway is joined",
+        seat: SeatKind::Function,
+        keys: &[
+            AMPLITUDE_KEY,
+            key("at_mm", 1.0, None, [-1e4, 1e4]),
+            key("width_mm", 1.0, None, [0.1, 1e4]),
+        ],
+        equation: "E(h) = A tanh((h - at) / width)",
+        source: "ways made of pieces",
+        remedy: "",
+        taken_for: "",
+        known: false,
+    },
+    Cause {
+        id: "friction-tilt",
+        title: "tilt of a slide by friction that rises with speed",
+        seat: SeatKind::Angle,
+        keys: &[AMPLITUDE_KEY],
+        equation: "E(v) = A sign(v) sqrt(|v| / 1000 mm/min)",
+        source: "a drive beside the centre of friction",
+        remedy: "",
+        taken_for: "",
+        known: false,
+    },
+];
+
+impl Cause {
+    /// The cause of a name.
+    pub fn named(id: &str) -> Option<&'static Self> {
+        CAUSES.iter().find(|cause| cause.id == id)
+    }
+}

@@ -1,0 +1,29 @@
+//! What terms beyond position and sense depend on.
+
+use nalgebra::Vector3;
+
+/// The last reversal of a slide, as seen from now.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reversal {
+    /// How long ago, s.
+    pub ago_s: f64,
+    /// How far ago along the slide, mm, not negative.
+    pub ago_mm: f64,
+}
+
+/// How the machine moves at a moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motion {
+    /// Velocity of X, Y, Z, mm/s.
+    pub velocity_mm_s: Vector3<f64>,
+    /// Time since the program began, the operator's pauses included, s.
+    pub elapsed_s: f64,
+    /// The last reversal of X, Y, Z; `None` where a slide has only ever moved one way.
+    pub reversals: [Option<Reversal>; 3],
+}
+
+impl Motion {
+    /// A machine that has always stood still.
+    pub const REST: Self =
+        Self { velocity_mm_s: Vector3::new(0.0, 0.0, 0.0), elapsed_s: 0.0, reversals: [None; 3] };
+}
