@@ -7,7 +7,7 @@
 
 use std::path::Path;
 
-use ballbar::identify::campaign;
+use ballbar::identify::{Campaign, Failure};
 use ballbar::plan::Test;
 use ballbar::report::{self, Analysis};
 
@@ -26,7 +26,7 @@ fn five_runs_reports_included() -> usize {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/hu40t/test.toml");
     let test = Test::read(&file).unwrap();
     let machine = test.machine().unwrap();
-    let repeats = campaign(&test, &machine, &|| ()).unwrap();
+    let repeats = Campaign::of(&test, &machine, Failure::Refuse, &|| ()).unwrap().repeats;
     let analysis = Analysis::new(&test, &machine, &repeats);
     let mut bytes = analysis.to_json().unwrap().len();
     bytes += report::html::render(&analysis, &repeats).unwrap().len();

@@ -34,12 +34,12 @@
 //! # An identification
 //!
 //! ```
-//! use ballbar::identify::campaign;
+//! use ballbar::identify::{Campaign, Failure};
 //! use ballbar::plan::Test;
 //!
 //! let test = Test::read("tests/data/hu40t/test.toml".as_ref())?;
 //! let machine = test.machine()?;
-//! let repeats = campaign(&test, &machine, &|| ())?;
+//! let repeats = Campaign::of(&test, &machine, Failure::Refuse, &|| ())?.repeats;
 //! let backlash = repeats[0].estimate("EYYb").expect("it is among the terms");
 //! assert!((backlash.value - -3.114e-3).abs() < 4.0 * backlash.sigma, "mm");
 //! # Ok::<(), ballbar::Error>(())

@@ -8,7 +8,7 @@
 use std::path::{Path, PathBuf};
 
 use ballbar::design::PlannedProgram;
-use ballbar::identify::{self, Identification, Options, RunInput};
+use ballbar::identify::{self, Campaign, Failure, Identification, Options, RunInput};
 use ballbar::machine::{Machine, Mounting};
 use ballbar::model::{self, Coefficient, Model, SetUp};
 use ballbar::nc::{self, Program};
@@ -298,7 +298,8 @@ fn the_foretold_sigma_of_a_designed_test_is_the_scatter_of_simulated_tests() {
 #[test]
 fn the_foretold_sigma_is_what_measured_logs_state() {
     let bench = Bench::new("hu40t");
-    let measured = identify::campaign(&bench.test, &bench.machine, &|| ()).unwrap();
+    let measured =
+        Campaign::of(&bench.test, &bench.machine, Failure::Refuse, &|| ()).unwrap().repeats;
     // As docs/guide.md says.
     let noise = &measured[0].noise;
     let rho = noise.autocorrelation(3);

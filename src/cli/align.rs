@@ -25,7 +25,7 @@ impl Arguments {
     pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
         let identified = self.selection.identify(talk)?;
         let mut files = Files::default();
-        for identification in &identified.repeats {
+        for identification in &identified.campaign.repeats {
             for run in &identification.runs {
                 let mut text = Vec::new();
                 report::write_aligned(&mut text, &run.alignment)?;

@@ -49,9 +49,12 @@ pub(super) fn add_results(
 ) -> Result<String> {
     let analysis = identified.analysis();
     let json = analysis.to_json()?;
-    files.add(directory.join("report.html"), report::html::render(&analysis, &identified.repeats)?);
+    files.add(
+        directory.join("report.html"),
+        report::html::render(&analysis, &identified.campaign.repeats)?,
+    );
     files.add(directory.join("analysis.json"), json.clone());
-    for identification in &identified.repeats {
+    for identification in &identified.campaign.repeats {
         for (run, records) in identification.runs.iter().zip(&identification.records) {
             let mut text = Vec::new();
             report::write_samples(&mut text, run, records)?;

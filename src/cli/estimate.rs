@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 
 use super::output::Talk;
 use crate::error::Result;
-use crate::identify::{Identification, campaign};
+use crate::identify::{Campaign, Failure};
 use crate::machine::Machine;
 use crate::plan::{Loss, Test};
 use crate::report::Analysis;
@@ -40,7 +40,7 @@ enum Weights {
 pub(super) struct Identified {
     pub(super) test: Test,
     pub(super) machine: Machine,
-    pub(super) repeats: Vec<Identification>,
+    pub(super) campaign: Campaign,
 }
 
 impl Selection {
@@ -68,15 +68,15 @@ impl Selection {
         estimation.minimum_norm |= self.minimum_norm;
         let test = test.with_estimation(estimation);
         let progress = talk.progress(test.repeat_count(), "identifying");
-        let repeats = campaign(&test, &machine, &|| progress.inc(1));
+        let campaign = Campaign::of(&test, &machine, Failure::Refuse, &|| progress.inc(1));
         progress.finish_and_clear();
-        Ok(Identified { repeats: repeats?, test, machine })
+        Ok(Identified { campaign: campaign?, test, machine })
     }
 }
 
 impl Identified {
     /// What is told about it.
     pub(super) fn analysis(&self) -> Analysis {
-        Analysis::new(&self.test, &self.machine, &self.repeats)
+        Analysis::new(&self.test, &self.machine, &self.campaign.repeats)
     }
 }

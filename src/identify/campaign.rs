@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::{Identification, Options, RunInput, explicit_terms, identify};
 use crate::align;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::log;
 use crate::machine::{Machine, Mounting};
 use crate::model::{self, Model};
@@ -35,44 +35,110 @@ pub fn align_run(test: &Test, machine: &Machine, run: &Run) -> Result<RunInput> 
     })
 }
 
-/// Identifies every repeat of a test: runs with the same repeat number together, repeats apart.
-///
-/// Repeats are worked on side by side; `finished` is called after each. The result does not depend on
-/// the number of threads. Of several errors the one of the first repeat is returned.
-pub fn campaign(
-    test: &Test,
-    machine: &Machine,
-    finished: &(dyn Fn() + Sync),
-) -> Result<Vec<Identification>> {
-    let names: Vec<String> = test.mountings().iter().map(|m| m.name.clone()).collect();
-    let mut repeats: BTreeMap<u32, Vec<&Run>> = BTreeMap::new();
-    for run in test.runs()? {
-        repeats.entry(run.repeat).or_default().push(run);
+/// All repeats of a test, identified.
+#[derive(Debug)]
+pub struct Campaign {
+    /// The terms, `complete` made explicit: one set for all repeats, or they would have no mean.
+    pub terms: Vec<String>,
+    /// The repeats.
+    pub repeats: Vec<Identification>,
+    /// Runs that take no part, with the reason.
+    pub left_out: Vec<(String, Error)>,
+}
+
+/// What becomes of a repeat that cannot be aligned or identified.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Failure {
+    /// It fails the campaign; of several the first.
+    Refuse,
+    /// It is left out, with all its runs, as long as another is left.
+    LeaveOut,
+}
+
+impl Campaign {
+    /// Reads, aligns and identifies every repeat of a test: runs with the same repeat number together,
+    /// repeats apart.
+    ///
+    /// Repeats are worked on side by side; `finished` is called after each. The result does not depend on
+    /// the number of threads.
+    pub fn of(
+        test: &Test,
+        machine: &Machine,
+        failure: Failure,
+        finished: &(dyn Fn() + Sync),
+    ) -> Result<Self> {
+        let mut repeats: BTreeMap<u32, Vec<&Run>> = BTreeMap::new();
+        for run in test.runs()? {
+            repeats.entry(run.repeat).or_default().push(run);
+        }
+        let repeats: Vec<Vec<&Run>> = repeats.into_values().collect();
+        let aligned: Vec<Result<Vec<RunInput>>> = repeats
+            .par_iter()
+            .map(|runs| runs.iter().map(|run| align_run(test, machine, run)).collect())
+            .collect();
+        let mut left_out = Vec::new();
+        let mut usable = Vec::new();
+        for (runs, aligned) in repeats.iter().zip(aligned) {
+            let names = || runs.iter().map(|run| run.name.as_str()).collect::<Vec<_>>().join(", ");
+            match aligned {
+                Ok(aligned) => usable.push(aligned),
+                Err(error) if failure == Failure::LeaveOut => left_out.push((names(), error)),
+                Err(error) => return Err(error),
+            }
+        }
+        Self::of_aligned(test, machine, usable, left_out, failure, finished)
     }
-    let options = Options::of(test);
-    let repeats: Vec<Vec<&Run>> = repeats.into_values().collect();
-    let aligned: Vec<Result<Vec<RunInput>>> = repeats
-        .par_iter()
-        .map(|runs| runs.iter().map(|run| align_run(test, machine, run)).collect())
-        .collect();
-    let mut aligned = aligned.into_iter().collect::<Result<Vec<_>>>()?;
-    // One set of terms for all, or they would have no mean: that of the first repeat.
-    let mut terms = test.estimation().terms.clone();
-    if let Some(first) = aligned.first_mut() {
-        let mountings: Vec<(String, Mounting)> =
-            test.mountings().iter().map(|m| (m.name.clone(), m.mounting)).collect();
-        let runs = std::mem::take(first);
-        (terms, *first) = explicit_terms(&terms, machine, &mountings, runs, &options)?;
+
+    /// Identifies repeats whose logs are aligned; `left_out` are those that could not be.
+    pub fn of_aligned(
+        test: &Test,
+        machine: &Machine,
+        mut aligned: Vec<Vec<RunInput>>,
+        mut left_out: Vec<(String, Error)>,
+        failure: Failure,
+        finished: &(dyn Fn() + Sync),
+    ) -> Result<Self> {
+        let names: Vec<String> = test.mountings().iter().map(|m| m.name.clone()).collect();
+        let options = Options::of(test);
+        let mut terms = test.estimation().terms.clone();
+        if let Some(first) = aligned.first_mut() {
+            let mountings: Vec<(String, Mounting)> =
+                test.mountings().iter().map(|m| (m.name.clone(), m.mounting)).collect();
+            let runs = std::mem::take(first);
+            (terms, *first) = explicit_terms(&terms, machine, &mountings, runs, &options)?;
+        }
+        let results: Vec<(String, Result<Identification>)> = aligned
+            .into_par_iter()
+            .map(|inputs| {
+                let of: Vec<&str> = inputs.iter().map(|run| run.name.as_str()).collect();
+                let of = of.join(", ");
+                let mountings = test.mountings().iter().map(|m| m.mounting).collect();
+                let identified = model::terms(&terms, &names).and_then(|terms| {
+                    identify(&Model::new(machine, mountings, terms), inputs, &options)
+                });
+                finished();
+                (of, identified)
+            })
+            .collect();
+        let mut repeats = Vec::new();
+        for (names, result) in results {
+            match result {
+                Ok(identification) => repeats.push(identification),
+                Err(error) if failure == Failure::LeaveOut => left_out.push((names, error)),
+                Err(error) => return Err(error),
+            }
+        }
+        match left_out.first() {
+            // Nothing is left: the first reason is as good as any.
+            Some((_, error)) if repeats.is_empty() => Err(error.clone()),
+            _ => Ok(Self { terms, repeats, left_out }),
+        }
     }
-    let results: Vec<Result<Identification>> = aligned
-        .into_par_iter()
-        .map(|inputs| {
-            let mountings = test.mountings().iter().map(|m| m.mounting).collect();
-            let model = Model::new(machine, mountings, model::terms(&terms, &names)?);
-            let result = identify(&model, inputs, &options);
-            finished();
-            result
-        })
-        .collect();
-    results.into_iter().collect()
+
+    /// The model of each repeat, without further effects.
+    pub fn model<'a>(&self, test: &Test, machine: &'a Machine) -> Result<Model<'a>> {
+        let names: Vec<String> = test.mountings().iter().map(|m| m.name.clone()).collect();
+        let mountings = test.mountings().iter().map(|m| m.mounting).collect();
+        Ok(Model::new(machine, mountings, model::terms(&self.terms, &names)?))
+    }
 }

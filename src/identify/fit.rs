@@ -56,7 +56,7 @@ impl Options {
 }
 
 /// One run that takes part.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct RunInput {
     /// Its name.
     pub name: String,
@@ -245,6 +245,11 @@ impl<'a> Fit<'a> {
         .hint(
             "the log may be of another program, the feed override may not have stood where the test file says, or there are too many terms for these arcs",
         ))
+    }
+
+    /// Change of the predicted length with program time at a sample, mm/s.
+    pub(super) fn speed_mm_s(&self, run: &RunInput, sample: &crate::align::Sample) -> f64 {
+        timing::view(self.model, &self.values, run, sample, timing::Detail::Full).speed_mm_s
     }
 
     pub(super) fn spectrum(&self, triangle: &Triangle) -> Result<Spectrum> {

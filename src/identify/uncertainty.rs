@@ -2,7 +2,7 @@
 
 use super::fit::{Fit, Outcome};
 use super::result::{Estimate, Identification};
-use super::{Record, cautions, residuals, timing};
+use super::{Record, cautions, residuals};
 use crate::error::Result;
 use crate::solve::{self, Autocovariances, BackwardFilter, Matrix, NoiseModel, Triangle, Tsqr};
 
@@ -86,9 +86,7 @@ impl Fit<'_> {
                 filter.begin(segment.len());
                 for k in segment.rev() {
                     let sample = &run.alignment.samples[k];
-                    let speed =
-                        timing::view(self.model, &self.values, run, sample, timing::Detail::Full)
-                            .speed_mm_s;
+                    let speed = self.speed_mm_s(run, sample);
                     self.fill_row(&mut row, index, sample, speed);
                     let weight = records[index][k].weight / (self.sigma_mm * self.sigma_mm);
                     for value in &mut row {

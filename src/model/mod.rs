@@ -16,9 +16,11 @@ mod cause;
 mod coefficient;
 mod effect;
 mod functions;
+mod harmonics;
 mod jacobian;
 mod motion;
 mod sets;
+mod shape;
 mod term;
 
 pub use cause::{AMPLITUDE, CAUSES, Cause, Key, SeatKind};
@@ -28,4 +30,5 @@ pub use functions::ErrorFunctions;
 pub use jacobian::{Situation, SlideGradient};
 pub use motion::{Motion, Reversal};
 pub use sets::{COMPLETE, NAMED_SETS, coefficients, terms};
+pub use shape::Shape;
 pub use term::{Model, Parameter, Term};

@@ -41,7 +41,13 @@ pub trait Term: Debug + Send + Sync {
 
     /// What the parameters' values add to the length without bending the chain, mm, with the bar along a
     /// unit vector: what belongs to the bar and the balls themselves.
-    fn lengthen(&self, _values: &[f64], _motion: &Motion, _direction: &Vector3<f64>) -> f64 {
+    fn lengthen(
+        &self,
+        _values: &[f64],
+        _at: &Pose,
+        _motion: &Motion,
+        _direction: &Vector3<f64>,
+    ) -> f64 {
         0.0
     }
 }
@@ -187,7 +193,7 @@ impl<'a> Model<'a> {
             let next = column + term.parameter_count();
             let of = &values[column..next];
             column = next;
-            term.lengthen(of, motion, &direction)
+            term.lengthen(of, pose, motion, &direction)
         });
         length_mm + longer.sum::<f64>()
     }
