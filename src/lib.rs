@@ -54,6 +54,7 @@ pub mod align;
 pub mod cli;
 pub mod design;
 pub mod error;
+pub mod diagnose;
 pub mod identify;
 mod input;
 pub mod log;

@@ -13,6 +13,8 @@ pub enum SeatKind {
     Angle,
     /// A slide: `X`, `Y` or `Z`.
     Slide,
+    /// A slide, or all alike where none is named.
+    Slides,
     /// What warms: a ball (`EZt`, `EXw`), the scale of a slide (`EXX1`) or the bar (`bar`).
     Body,
     /// A ball: `EXt` .. `EZw`.
@@ -99,9 +101,9 @@ pub const CAUSES: &[Cause] = &[
     Cause {
         id: "servo",
         title: "servo mismatch: following error of a slide",
-        seat: SeatKind::Slide,
+        seat: SeatKind::Slides,
         keys: &[key("delay_ms", 1e-3, None, [-1e3, 1e3])],
-        equation: "E_HH = -delay v_H; only differences between the slides are seen",
+        equation: "E_HH = -delay v_H; what all slides have in common shows at the corners of chords only",
         source: "position loops with different gains, or feed-forward on some axes only",
         remedy: "set equal position gains (Fanuc 1825) and feed-forward on all axes, then repeat at two feeds",
         taken_for: "squareness at one feed and one direction, a wrong time of the log",

@@ -55,11 +55,11 @@ impl Seat {
     fn fits(self, kind: SeatKind) -> bool {
         match (kind, self) {
             (SeatKind::Function, Self::Function(..))
-            | (SeatKind::Slide, Self::Slide(_))
+            | (SeatKind::Slide | SeatKind::Slides, Self::Slide(_))
+            | (SeatKind::Slides | SeatKind::None, Self::Whole)
             | (SeatKind::Ball | SeatKind::Body, Self::Ball(_))
             | (SeatKind::Body | SeatKind::Reading, Self::Bar)
-            | (SeatKind::Coefficient, Self::Coefficient(_))
-            | (SeatKind::None, Self::Whole) => true,
+            | (SeatKind::Coefficient, Self::Coefficient(_)) => true,
             (SeatKind::Angle, Self::Function(_, component)) => component.is_angular(),
             (SeatKind::Reading, Self::Ball(set_up)) => set_up.ball == Ball::Tool,
             (SeatKind::Body, Self::Coefficient(of)) => {
@@ -171,7 +171,7 @@ impl Effect {
         let cause = Self::cause_of(id)?;
         let refuse = |what: String| Error::input(what).hint(Self::usage(cause));
         let seat = match on {
-            None if cause.seat == SeatKind::None => Some(Seat::Whole),
+            None if matches!(cause.seat, SeatKind::None | SeatKind::Slides) => Some(Seat::Whole),
             None => None,
             Some(name) => Seat::parse(name).filter(|seat| seat.fits(cause.seat)),
         };
@@ -229,7 +229,7 @@ impl Effect {
         let on = match cause.seat {
             SeatKind::Function => "on=EXX",
             SeatKind::Angle => "on=EBX",
-            SeatKind::Slide => "on=X",
+            SeatKind::Slide | SeatKind::Slides => "on=X",
             SeatKind::Body | SeatKind::Ball | SeatKind::Reading => "on=EZt",
             SeatKind::Coefficient => "on=EBX3",
             SeatKind::None => "",
@@ -240,6 +240,7 @@ impl Effect {
         let parts: Vec<String> = on.into_iter().chain(keys).collect();
         let or = match cause.seat {
             SeatKind::Function => "; angular functions take urad",
+            SeatKind::Slides => "; without `on`, all slides alike",
             SeatKind::Body => "; on a ball, a scale such as EXX1 (um_m) or the bar",
             SeatKind::Reading => "; on EXt, EYt, EZt or bar",
             _ => "",

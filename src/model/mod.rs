@@ -22,6 +22,7 @@ mod motion;
 mod sets;
 mod shape;
 mod term;
+mod variable;
 
 pub use cause::{AMPLITUDE, CAUSES, Cause, Key, SeatKind};
 pub use coefficient::{Ball, Coefficient, Component, Power, SetUp};
@@ -32,3 +33,4 @@ pub use motion::{Motion, Reversal};
 pub use sets::{COMPLETE, NAMED_SETS, coefficients, terms};
 pub use shape::Shape;
 pub use term::{Model, Parameter, Term};
+pub use variable::{Empirical, Variable, place};

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::Vector3;
 
-use super::cause::{Cause, SeatKind};
+use super::cause::Cause;
 use super::harmonics::harmonics;
 use super::{Ball, Effect, Motion, Parameter, Seat, Situation, Term};
 use crate::machine::{ChainErrors, Pose};
@@ -43,7 +43,7 @@ impl Seat {
     }
 
     /// Displaces this in the exact chain by an amount in mm or rad; the length of the bar is none of it.
-    fn displace(self, amount: f64, pose: &Pose, motion: &Motion, errors: &mut ChainErrors) {
+    pub(super) fn displace(self, amount: f64, pose: &Pose, motion: &Motion, errors: &mut ChainErrors) {
         match self {
             Self::Function(slide, component) => {
                 let slide = &mut errors.slides[slide.index()];
@@ -128,6 +128,7 @@ impl Shape {
         match self.cause.id {
             "cyclic" => wave(h_mm / inner, out),
             "vibration" => wave(motion.elapsed_s * inner, out),
+            "servo" if self.seat == Seat::Whole => out[0] = -motion.velocity_mm_s.dot(direction),
             "servo" => out[0] = -motion.velocity_mm_s[slide],
             "reversal-spike" => {
                 out[0] = motion.reversals[slide].map_or(0.0, |r| b * (-r.ago_s / inner).exp());
@@ -179,7 +180,7 @@ impl Shape {
     /// What it is called in a table: `cyclic EXX 10.00 mm`.
     pub fn name(&self) -> String {
         let mut name = self.cause.id.to_owned();
-        if self.cause.seat != SeatKind::None {
+        if self.seat != Seat::Whole {
             name = format!("{name} {}", self.seat);
         }
         match (Self::inner_key(self.cause), self.inner) {

@@ -62,6 +62,26 @@ impl Cholesky {
         }
     }
 
+    /// `A^-1 b`.
+    ///
+    /// # Panics
+    ///
+    /// If `b` has another length.
+    #[must_use]
+    pub fn solve(&self, b: &[f64]) -> Vec<f64> {
+        let n = self.l.rows();
+        assert_eq!(n, b.len(), "shapes of a solution");
+        let mut x = b.to_vec();
+        for i in 0..n {
+            x[i] = (x[i] - dot(&self.l.row(i)[..i], &x[..i])) / self.l[(i, i)];
+        }
+        for i in (0..n).rev() {
+            let after: f64 = (i + 1..n).map(|k| self.l[(k, i)] * x[k]).sum();
+            x[i] = (x[i] - after) / self.l[(i, i)];
+        }
+        x
+    }
+
     /// `A^-1`, symmetric to the last bit.
     #[must_use]
     pub fn inverse(&self) -> Matrix {

@@ -1,0 +1,192 @@
+//! The residuals of all repeats, with what the model already spans.
+
+use rayon::prelude::*;
+
+use crate::align::Place;
+use crate::error::Result;
+use crate::identify::{Campaign, LinearSample, Options};
+use crate::machine::Machine;
+use crate::plan::Test;
+use crate::solve::Matrix;
+
+/// Samples of a run that are looked at; of longer logs every so many.
+const MOST: usize = 12_000;
+
+/// One repeat.
+#[derive(Debug)]
+pub(super) struct Block {
+    /// The samples that the fit used.
+    pub(super) samples: Vec<LinearSample>,
+    /// What is left of each, mm, times the root of its weight; not yet without the accepted effects.
+    pub(super) residual_mm: Vec<f64>,
+    /// Number of the arc of each, counted over all blocks: what is left out together.
+    pub(super) arcs: Vec<usize>,
+    /// What the fit spans, row after row; see [`crate::identify::Linearised`].
+    pub(super) q: Vec<f64>,
+    /// Columns of `q`.
+    pub(super) rank: usize,
+    /// Parameters of the model per unit of `q`.
+    pub(super) factor: Matrix,
+    /// Where each run begins and ends in the samples.
+    pub(super) runs: Vec<std::ops::Range<usize>>,
+}
+
+/// A column over all blocks; empty in the blocks where it is zero.
+pub(super) type Column = Vec<Vec<f64>>;
+
+/// All repeats, and what has been accepted so far.
+#[derive(Debug)]
+pub(super) struct Data {
+    pub(super) blocks: Vec<Block>,
+    /// How many arcs there are.
+    pub(super) arcs: usize,
+    /// Orthonormal columns of the accepted effects, orthogonal to what the fits span.
+    pub(super) span: Vec<Column>,
+    /// What is left after them, mm, times the root of the weight.
+    pub(super) left_mm: Vec<Vec<f64>>,
+}
+
+impl Data {
+    pub(super) fn new(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<Self> {
+        let options = Options::of(test);
+        let linear = campaign
+            .repeats
+            .par_iter()
+            .map(|repeat| repeat.linearised(&campaign.model(test, machine)?, &options, MOST))
+            .collect::<Result<Vec<_>>>()?;
+        let mut arcs = 0_usize;
+        let mut blocks = Vec::new();
+        for (repeat, linear) in campaign.repeats.iter().zip(linear) {
+            let mut of_arc = Vec::with_capacity(linear.samples.len());
+            let mut last = None;
+            for sample in &linear.samples {
+                let place = repeat.runs[sample.run].alignment.samples[sample.sample].place;
+                let now = Some((sample.run, place));
+                if now != last && matches!(place, Place::Arc(_)) {
+                    arcs += 1;
+                    last = now;
+                }
+                of_arc.push(arcs.saturating_sub(1));
+            }
+            let runs = (0..repeat.runs.len())
+                .map(|run| {
+                    let first = linear.samples.partition_point(|s| s.run < run);
+                    first..linear.samples.partition_point(|s| s.run <= run)
+                })
+                .collect();
+            blocks.push(Block {
+                residual_mm: linear.samples.iter().map(|s| s.residual_mm * s.root_weight).collect(),
+                arcs: of_arc,
+                q: linear.q,
+                rank: linear.rank,
+                factor: linear.factor,
+                samples: linear.samples,
+                runs,
+            });
+        }
+        let left_mm = blocks.iter().map(|block| block.residual_mm.clone()).collect();
+        Ok(Self { blocks, arcs, span: Vec::new(), left_mm })
+    }
+
+    /// How many samples.
+    pub(super) fn samples(&self) -> usize {
+        self.blocks.iter().map(|block| block.samples.len()).sum()
+    }
+
+    /// Sum of squares of what is left, mm².
+    pub(super) fn squares_mm2(&self) -> f64 {
+        self.left_mm.iter().flatten().map(|e| e * e).sum()
+    }
+
+    /// Forgets the accepted effects and accepts these columns instead.
+    pub(super) fn accept(&mut self, columns: &[Column]) {
+        self.span.clear();
+        for column in columns {
+            if let Some(unit) = self.outside(column) {
+                self.span.push(unit);
+            }
+        }
+        self.left_mm = self.blocks.iter().map(|block| block.residual_mm.clone()).collect();
+        for unit in &self.span {
+            let along: f64 = unit.iter().zip(&self.left_mm).map(|(u, e)| dot(u, e)).sum();
+            for (u, e) in unit.iter().zip(&mut self.left_mm) {
+                for (e, u) in e.iter_mut().zip(u) {
+                    *e -= along * u;
+                }
+            }
+        }
+    }
+
+    /// What of a column lies outside of what is spanned, of unit length; `None` if next to nothing does.
+    fn outside(&self, column: &Column) -> Option<Column> {
+        let raw = norm2(column);
+        let mut rest = self.projected(column);
+        // Twice: once leaves the rounding of the first time.
+        for unit in self.span.iter().chain(&self.span) {
+            let along: f64 = unit.iter().zip(&rest).map(|(u, c)| dot(u, c)).sum();
+            for (u, c) in unit.iter().zip(&mut rest) {
+                for (c, u) in c.iter_mut().zip(u) {
+                    *c -= along * u;
+                }
+            }
+        }
+        let length = norm2(&rest);
+        if length < NOTHING_LEFT * raw {
+            return None;
+        }
+        let scale = length.sqrt().recip();
+        rest.iter_mut().flatten().for_each(|value| *value *= scale);
+        Some(rest)
+    }
+
+    /// A column without its part in what the fits span.
+    pub(super) fn projected(&self, column: &Column) -> Column {
+        let blocks = column.par_iter().zip(&self.blocks);
+        blocks
+            .map(|(c, block)| {
+                if c.is_empty() {
+                    return Vec::new();
+                }
+                let along = block.along(c);
+                let rows = block.q.chunks_exact(block.rank.max(1));
+                c.iter().zip(rows).map(|(c, row)| c - dot(row, &along)).collect()
+            })
+            .collect()
+    }
+}
+
+/// A column of which the span leaves less than this share of its square adds nothing but rounding.
+const NOTHING_LEFT: f64 = 1e-7;
+
+impl Block {
+    /// `Q^T c`.
+    pub(super) fn along(&self, column: &[f64]) -> Vec<f64> {
+        let mut along = vec![0.0; self.rank];
+        for (c, row) in column.iter().zip(self.q.chunks_exact(self.rank.max(1))) {
+            if *c != 0.0 {
+                for (a, q) in along.iter_mut().zip(row) {
+                    *a += c * q;
+                }
+            }
+        }
+        along
+    }
+}
+
+/// `a · b`, summed in four lanes: always the same four, so always the same bits.
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut lanes = [0.0; 4];
+    let (fours_a, fours_b) = (a.chunks_exact(4), b.chunks_exact(4));
+    let rest = fours_a.remainder().iter().zip(fours_b.remainder());
+    let rest: f64 = rest.map(|(a, b)| a * b).sum();
+    for (a, b) in fours_a.zip(fours_b) {
+        for ((lane, a), b) in lanes.iter_mut().zip(a).zip(b) {
+            *lane += a * b;
+        }
+    }
+    lanes[0] + lanes[1] + (lanes[2] + lanes[3]) + rest
+}
+
+pub(super) fn norm2(column: &Column) -> f64 {
+    column.iter().flatten().map(|c| c * c).sum()
+}

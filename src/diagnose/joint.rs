@@ -1,0 +1,222 @@
+//! The fit of several effects at once, beside everything that the model spans.
+//!
+//! With the columns `c_j` of the effects outside of the fits' span, the amplitudes solve
+//! `N a = r`, `N_ij = c'_i · c'_j`, `r_i = c'_i · e`. The numbers inside (a period, a time constant) follow
+//! by Gauss-Newton with the derivative of the fitted effect as a further column (variable projection,
+//! Kaufman 1975).
+
+use super::data::{Column, Data, dot};
+use super::element::Element;
+use crate::solve::{Cholesky, Matrix};
+
+/// Steps of Gauss-Newton; a good start takes three.
+const MOST_STEPS: usize = 12;
+/// A step that lowers the sum of squares by less than this share of the gain is the last.
+const SETTLED: f64 = 1e-6;
+
+/// Effects with everything that was estimated of them.
+#[derive(Debug, Clone)]
+pub(super) struct Fitted {
+    pub(super) elements: Vec<Element>,
+    /// Amplitudes of each element, run after run where each has its own, mm and rad.
+    pub(super) amplitudes: Vec<Vec<f64>>,
+    /// By how much they lower the sum of squares, mm².
+    pub(super) gain_mm2: f64,
+    /// Inverse of the normal matrix over all amplitudes and then all numbers inside, per mm².
+    pub(super) inverse: Matrix,
+    /// Smallest part of an effect's square that lies outside of what is spanned.
+    pub(super) seen: f64,
+    /// Columns of the amplitudes, then those of the numbers inside.
+    pub(super) columns: Vec<Column>,
+}
+
+impl Fitted {
+    /// Sum of the effects' columns with their amplitudes, outside of what the fits span, mm.
+    pub(super) fn effect(&self, data: &Data) -> Column {
+        let mut sum: Column = data.blocks.iter().map(|b| vec![0.0; b.samples.len()]).collect();
+        let amplitudes = self.amplitudes.iter().flatten();
+        for (amplitude, column) in amplitudes.zip(&self.columns) {
+            for (s, c) in sum.iter_mut().zip(column) {
+                for (s, c) in s.iter_mut().zip(c) {
+                    *s += amplitude * c;
+                }
+            }
+        }
+        data.projected(&sum)
+    }
+
+    /// Where the number inside of an element stands in `inverse`.
+    pub(super) fn inner_index(&self, element: usize) -> Option<usize> {
+        self.elements[element].free()?;
+        let amplitudes: usize = self.amplitudes.iter().map(Vec::len).sum();
+        let before = self.elements[..element].iter().filter(|e| e.free().is_some()).count();
+        Some(amplitudes + before)
+    }
+
+    /// Where the amplitudes of an element begin in `inverse`.
+    pub(super) fn first_index(&self, element: usize) -> usize {
+        self.amplitudes[..element].iter().map(Vec::len).sum()
+    }
+}
+
+/// Columns with their products.
+struct System {
+    columns: Vec<Column>,
+    normal: Matrix,
+    common: Vec<f64>,
+    raw: Vec<f64>,
+}
+
+impl System {
+    fn of(data: &Data, columns: Vec<Column>) -> Self {
+        let n = columns.len();
+        let along: Vec<Vec<Vec<f64>>> = {
+            use rayon::prelude::*;
+            columns
+                .par_iter()
+                .map(|column| {
+                    column
+                        .iter()
+                        .zip(&data.blocks)
+                        .map(|(c, block)| if c.is_empty() { Vec::new() } else { block.along(c) })
+                        .collect()
+                })
+                .collect()
+        };
+        let accepted: Vec<Vec<f64>> = columns
+            .iter()
+            .map(|column| data.span.iter().map(|unit| product(unit, column)).collect())
+            .collect();
+        let mut normal = Matrix::zeros(n, n);
+        let mut raw = vec![0.0; n];
+        for i in 0..n {
+            for k in 0..=i {
+                let both = product(&columns[i], &columns[k]);
+                if i == k {
+                    raw[i] = both;
+                }
+                let spanned: f64 = along[i].iter().zip(&along[k]).map(|(a, b)| dot(a, b)).sum();
+                normal[(i, k)] = both - spanned - dot(&accepted[i], &accepted[k]);
+                normal[(k, i)] = normal[(i, k)];
+            }
+        }
+        let common = columns.iter().map(|column| product(column, &data.left_mm)).collect();
+        Self { columns, normal, common, raw }
+    }
+
+    fn part(&self, keep: usize) -> (Matrix, &[f64]) {
+        let normal = Matrix::from_fn(keep, keep, |i, k| {
+            // Next to nothing on the diagonal, so that effects that hardly differ do not end the fit.
+            self.normal[(i, k)] * if i == k { 1.0 + 1e-10 } else { 1.0 }
+        });
+        (normal, &self.common[..keep])
+    }
+}
+
+/// Products of columns that are both there.
+fn product(a: &Column, b: &Column) -> f64 {
+    a.iter().zip(b).map(|(a, b)| dot(a, b)).sum()
+}
+
+/// Fits effects beside what has been accepted; the numbers inside start from where they are.
+///
+/// `None` where the effects cannot be told from what is spanned, or from each other.
+pub(super) fn fit(data: &Data, elements: Vec<Element>) -> Option<Fitted> {
+    let mut elements = elements;
+    let mut best: Option<Fitted> = None;
+    let mut shorter = 1.0;
+    for _ in 0..MOST_STEPS {
+        let of_elements: Vec<Vec<Column>> = elements.iter().map(|e| e.columns(data)).collect();
+        let counts: Vec<usize> = of_elements.iter().map(Vec::len).collect();
+        let mut columns: Vec<Column> = of_elements.into_iter().flatten().collect();
+        let linear = columns.len();
+        let system = System::of(data, columns);
+        let (normal, common) = system.part(linear);
+        let amplitudes = Cholesky::of(&normal)?.solve(common);
+        let gain_mm2 = dot(&amplitudes, common);
+        let better = best.as_ref().is_none_or(|best| gain_mm2 > best.gain_mm2);
+        if !better {
+            // Back half the way to the best.
+            shorter *= 0.5;
+            let best = best.as_ref()?;
+            if shorter < 0.1 {
+                break;
+            }
+            elements = elements
+                .iter()
+                .zip(&best.elements)
+                .map(|(now, best)| match (now.free(), best.free()) {
+                    (Some(now), Some(at)) => best.with_free(0.5 * (now + at)),
+                    _ => best.clone(),
+                })
+                .collect();
+            continue;
+        }
+        let settled =
+            best.as_ref().is_some_and(|best| gain_mm2 - best.gain_mm2 < SETTLED * gain_mm2);
+        let seen = (0..linear)
+            .map(|k| system.normal[(k, k)] / system.raw[k].max(f64::MIN_POSITIVE))
+            .fold(f64::INFINITY, f64::min);
+        columns = system.columns;
+        let mut by_element = Vec::new();
+        let mut first = 0;
+        for count in &counts {
+            by_element.push(amplitudes[first..first + count].to_vec());
+            first += count;
+        }
+        let mut first = 0;
+        for (element, (own, count)) in elements.iter().zip(by_element.iter().zip(&counts)) {
+            if element.free().is_some() {
+                columns.push(derivative(data, element, own, &columns[first..first + count]));
+            }
+            first += count;
+        }
+        let system = System::of(data, columns);
+        let (normal, common) = system.part(system.columns.len());
+        let cholesky = Cholesky::of(&normal)?;
+        let step = cholesky.solve(common);
+        best = Some(Fitted {
+            elements: elements.clone(),
+            amplitudes: by_element,
+            gain_mm2,
+            inverse: cholesky.inverse(),
+            seen,
+            columns: system.columns,
+        });
+        if settled || step.len() == linear {
+            break;
+        }
+        let mut inner = step[linear..].iter();
+        elements = elements
+            .iter()
+            .map(|element| match (element.free(), element.free().and_then(|_| inner.next())) {
+                (Some(at), Some(step)) => {
+                    let longest = element.long_step();
+                    element.with_free(at + (shorter * step).clamp(-longest, longest))
+                }
+                _ => element.clone(),
+            })
+            .collect();
+    }
+    best
+}
+
+/// Derivative of a fitted effect with respect to the number inside.
+fn derivative(data: &Data, element: &Element, amplitudes: &[f64], columns: &[Column]) -> Column {
+    let at = element.free().unwrap_or(0.0);
+    let step = element.small_step();
+    let beside = element.with_free(at + step).columns(data);
+    let mut sum: Column = vec![Vec::new(); data.blocks.len()];
+    for ((amplitude, after), before) in amplitudes.iter().zip(&beside).zip(columns) {
+        for (sum, (after, before)) in sum.iter_mut().zip(after.iter().zip(before)) {
+            if after.is_empty() {
+                continue;
+            }
+            sum.resize(after.len(), 0.0);
+            for (s, (a, b)) in sum.iter_mut().zip(after.iter().zip(before)) {
+                *s += amplitude * (a - b) / step;
+            }
+        }
+    }
+    sum
+}
