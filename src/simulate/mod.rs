@@ -31,6 +31,7 @@
 mod bend;
 mod clock;
 mod file;
+mod hidden;
 mod instrument;
 mod noise;
 mod random;
