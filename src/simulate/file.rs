@@ -199,48 +199,42 @@ impl RawScenario {
 fn hide(scenario: &mut Scenario, table: &Spanned<RawEffect>, text: &Text<'_>) -> Result<()> {
     let mut words: BTreeMap<&str, (&str, Place)> = BTreeMap::new();
     let mut numbers: Vec<(&str, f64)> = Vec::new();
-    let mut places: Vec<Place> = Vec::new();
     for (key, value) in table.get_ref() {
         let name = key.get_ref().as_str();
-        let place = text.place(value.span());
         let is_word = name == "cause" || name == "on";
-        let number = match value.get_ref() {
+        match value.get_ref() {
             toml::Value::String(word) if is_word => {
-                words.insert(name, (word, place));
-                continue;
+                words.insert(name, (word, text.place(value.span())));
             }
-            toml::Value::Float(number) if !is_word => *number,
-            toml::Value::Integer(number) if !is_word => *number as f64,
+            toml::Value::Float(number) if !is_word => numbers.push((name, *number)),
+            toml::Value::Integer(number) if !is_word => numbers.push((name, *number as f64)),
             _ => {
                 let expected = if is_word { "text in quotes" } else { "a number" };
-                return Err(Error::input(format!("`{name}` must be {expected}")).at(place).hint(
-                    "`cause` and `on` are text, everything else of a `[[hide]]` is a number",
-                ));
+                return Err(Error::input(format!("`{name}` must be {expected}"))
+                    .at(text.place(value.span()))
+                    .hint("in a `[[hide]]`, `cause` and `on` are text, all others are numbers"));
             }
-        };
-        numbers.push((name, number));
-        places.push(if number.is_finite() { place } else { text.place(key.span()) });
+        }
     }
-    let whole = || text.place(table.span());
     let Some((cause, cause_place)) = words.get("cause") else {
         return Err(Error::input("this `[[hide]]` has no `cause`")
-            .at(whole())
-            .hint("write `cause = \"cyclic\"` or another one of docs/reference.md"));
+            .at(text.place(table.span()))
+            .hint("write `cause = \"cyclic\"`; docs/reference.md lists the causes"));
     };
     let on = words.get("on");
-    let effect = Effect::of(cause, on.map(|(word, _)| *word), &numbers)
-        .and_then(|effect| scenario.hide(effect));
-    effect.map_err(|error| {
+    let effect = Effect::of(cause, on.map(|(word, _)| *word), &numbers);
+    effect.and_then(|effect| scenario.hide(effect)).map_err(|error| {
         // The place of what the message is about; what is missing has only that of its cause.
-        let told = |name: &str| {
-            error.what.starts_with(&format!("`{name}` of "))
-                || error.what.ends_with(&format!(" has no `{name}`"))
-        };
-        let number = numbers.iter().zip(&places).find(|((name, _), _)| told(name));
+        let mut entries = table.get_ref().iter();
+        let number = entries.find_map(|(key, value)| {
+            let name = key.get_ref();
+            let unknown = error.what.ends_with(&format!(" has no `{name}`"));
+            let wrong = error.what.starts_with(&format!("`{name}` of "));
+            unknown.then(|| key.span()).or(wrong.then(|| value.span()))
+        });
         let seat = on.filter(|(word, _)| error.what.ends_with(&format!(" act on `{word}`")));
-        let place = number.map(|(_, place)| place).or(seat.map(|(_, place)| place));
-        let place = place.unwrap_or(cause_place).clone();
-        error.at(place)
+        let place = number.map(|span| text.place(span)).or(seat.map(|(_, place)| place.clone()));
+        error.at(place.unwrap_or_else(|| cause_place.clone()))
     })
 }
 
