@@ -53,7 +53,7 @@ pub(super) struct Condition {
     pub(super) elapsed_s: f64,
     /// Their last reversals.
     pub(super) reversals: [Option<Reversal>; 3],
-    /// How far they are ahead of their commanded places for the control follows late, mm.
+    /// How far they are from their commanded places because they follow late, mm: below 0 on the way up.
     lag_mm: Vector3<f64>,
 }
 
@@ -136,8 +136,8 @@ impl Bent {
         (moment, state, condition)
     }
 
-    /// How far every slide is ahead of its commanded place, mm, because it is where it was commanded to
-    /// be some time ago; a pause ends at the same place for all.
+    /// How far every slide is from its commanded place, mm, because it is where it was commanded to be some
+    /// time ago on the machine's clock: in a pause it arrives late, and then stands where the others do.
     fn lag_mm(
         &self,
         drive: &Drive,
