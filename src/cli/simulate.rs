@@ -8,6 +8,7 @@ use super::Common;
 use super::output::{self, Files, Talk};
 use crate::design::PlannedProgram;
 use crate::error::{Error, Kind, Result};
+use crate::model::Effect;
 use crate::nc;
 use crate::plan::Test;
 use crate::simulate::{Coincidence, Scenario, SimulatedRun, TrueRun, run, truth_toml};
@@ -19,7 +20,11 @@ use crate::simulate::{Coincidence, Scenario, SimulatedRun, TrueRun, run, truth_t
 #[derive(Args)]
 #[command(after_help = "Examples:
   ballbar simulate test.toml -o virtual && ballbar analyse virtual/test.toml
-  ballbar simulate test.toml --scenario warm.toml --repeats 5 --seed 7")]
+  ballbar simulate test.toml --scenario warm.toml --repeats 5 --seed 7
+  ballbar simulate test.toml --hide cyclic:on=EXX,period_mm=10,amplitude_um=1.2 \\
+                             --hide drift:on=EZt,amplitude_um=6,time_constant_s=500
+
+The causes that can be hidden, their keys and equations: section Causes of docs/reference.md")]
 pub(super) struct Arguments {
     /// The test file
     #[arg(value_name = "TEST")]
@@ -27,6 +32,9 @@ pub(super) struct Arguments {
     /// What the machine and the instrument are like; without it the paper's machine
     #[arg(long, value_name = "FILE")]
     scenario: Option<PathBuf>,
+    /// Hide an effect, besides those of the scenario: CAUSE:key=value,... Give it again for several
+    #[arg(long, value_name = "EFFECT")]
+    hide: Vec<String>,
     /// Where everything random begins; overrides the scenario's
     #[arg(long)]
     seed: Option<u64>,
@@ -58,6 +66,9 @@ impl Arguments {
         if let Some(seed) = self.seed {
             scenario.seed = seed;
         }
+        for effect in &self.hide {
+            scenario.hide(Effect::parse(effect)?)?;
+        }
         let sources = Self::sources(&test, &machine)?;
         let progress = talk.progress(sources.len() * self.repeats as usize, "simulating");
         let mut files = Files::default();
@@ -75,12 +86,14 @@ impl Arguments {
                 let program = nc::read(&source.text, Path::new(&source.file), &reading)?;
                 // Every run its own noise, and the same noise whichever other runs there are.
                 let seed = scenario.seed.wrapping_add(u64::from(repeat - 1) * 1000 + index as u64);
+                // Runs count in the order in which their logs are written and stand in the test file.
+                let number = simulated.len() as u32 + 1;
                 let done = run(
                     &machine,
                     &mounting.mounting,
                     &program,
                     &test.bar_of(source.mounting),
-                    &scenario.clone().with_seed(seed),
+                    &scenario.clone().with_seed(seed).with_run_number(number),
                 )?;
                 let alike = sources.iter().filter(|other| other.file == source.file).count();
                 let name = match (sources.len(), alike) {

@@ -78,7 +78,8 @@ const fn key(name: &'static str, si: f64, default: Option<f64>, limits: [f64; 2]
     Key { name, si, default, limits }
 }
 
-const AMPLITUDE_KEY: Key = key(AMPLITUDE, f64::NAN, None, [-1e4, 1e4]);
+/// Its factor hangs on the seat; what stands here must spoil every result, and still equal itself.
+const AMPLITUDE_KEY: Key = key(AMPLITUDE, f64::INFINITY, None, [-1e4, 1e4]);
 const MINUTE_S: f64 = 60.0;
 
 /// All causes, in the order in which equally good ones are named.

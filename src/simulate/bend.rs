@@ -1,16 +1,18 @@
-//! What bends the chain: from the state of the machine to the errors of its chain.
+//! What bends the chain: from the state of the machine to the length that the bar spans.
 
 use nalgebra::Vector3;
 
-use super::{ClockMoment, Coincidence, Scenario};
+use super::{Clock, ClockMoment, Coincidence, Scenario, hidden};
+use crate::error::Result;
 use crate::machine::{Axis, ChainErrors, Machine, Mounting, Pose};
-use crate::motion::{State, Trajectory};
+use crate::model::{Ball, Effect, Reversal};
+use crate::motion::{Reversals, State, Trajectory};
 
 /// Short against everything a program does, long against the rounding of its times, s.
 const JUST_BEFORE_S: f64 = 1e-9;
 
 /// Where the slides stand at a moment, and which way they went last.
-pub(super) fn state_at(trajectory: &Trajectory, moment: &ClockMoment) -> State {
+fn state_at(trajectory: &Trajectory, moment: &ClockMoment) -> State {
     let mut state = trajectory.at(moment.program_s);
     if moment.in_pause {
         // The pause has no length in the trajectory, which is already at the move after it; the slides
@@ -24,27 +26,156 @@ pub(super) fn state_at(trajectory: &Trajectory, moment: &ClockMoment) -> State {
     state
 }
 
-/// The scenario with the tool ball where the operator has put it: where he brought the balls together, the
-/// errors of the machine there are part of the set-up.
-pub(super) fn set_up(scenario: &Scenario, machine: &Machine, mounting: &Mounting) -> Scenario {
-    let mut scenario = scenario.clone();
-    if scenario.coincidence == Coincidence::Touched {
-        let position_mm = mounting.coincidence_mm;
-        let pose = Pose { position_mm, sense: Vector3::zeros() };
-        let slides = Axis::ALL.map(|slide| scenario.errors.slide_error(slide, &pose));
-        let errors = ChainErrors { slides, ..ChainErrors::zero() };
-        scenario.tool_ball_mm -= machine.ball_vector_mm(mounting, &position_mm, &errors);
-    }
-    scenario
+/// A program on its way through a run.
+pub(super) struct Drive {
+    pub(super) trajectory: Trajectory,
+    pub(super) clock: Clock,
+    reversals: Reversals,
 }
 
-/// The errors of the chain in a state of the machine: each slide's error functions (paper, Eq. 3) and
-/// the set-up errors of the two balls.
-pub(super) fn bend(scenario: &Scenario, state: &State) -> ChainErrors {
-    let pose = Pose { position_mm: state.position_mm, sense: state.sense };
-    ChainErrors {
-        slides: Axis::ALL.map(|slide| scenario.errors.slide_error(slide, &pose)),
-        workpiece_ball_mm: scenario.workpiece_ball_mm,
-        tool_ball_mm: scenario.tool_ball_mm,
+impl Drive {
+    pub(super) fn new(trajectory: Trajectory, clock: Clock) -> Self {
+        let reversals = Reversals::of(&trajectory);
+        Self { trajectory, clock, reversals }
+    }
+}
+
+/// How the machine is at one moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Condition {
+    /// Machine coordinates that X, Y, Z are commanded to, mm.
+    pub(super) position_mm: Vector3<f64>,
+    /// Sense of their last motion.
+    pub(super) sense: Vector3<f64>,
+    /// Their velocity, mm/s.
+    pub(super) velocity_mm_s: Vector3<f64>,
+    /// Time since the program began, the operator's pauses included, s.
+    pub(super) elapsed_s: f64,
+    /// Their last reversals.
+    pub(super) reversals: [Option<Reversal>; 3],
+    /// How far they are from their commanded places because they follow late, mm: below 0 on the way up.
+    lag_mm: Vector3<f64>,
+}
+
+impl Condition {
+    /// Before anything moved.
+    fn rest(position_mm: Vector3<f64>) -> Self {
+        Self {
+            position_mm,
+            sense: Vector3::zeros(),
+            velocity_mm_s: Vector3::zeros(),
+            elapsed_s: 0.0,
+            reversals: [None; 3],
+            lag_mm: Vector3::zeros(),
+        }
+    }
+}
+
+/// The machine and the balls of one run as they really are.
+pub(super) struct Bent {
+    /// What was asked for, with what the hidden effects and the operator make of it.
+    pub(super) scenario: Scenario,
+    /// The machine, with its real pivots.
+    pub(super) machine: Machine,
+    mounting: Mounting,
+    /// How far the machine coordinates are from those the test file believes, mm.
+    offset_mm: Vector3<f64>,
+    delay_s: Vector3<f64>,
+    hidden: Vec<Effect>,
+}
+
+impl Bent {
+    /// Bends a machine and a mounting.
+    ///
+    /// # Errors
+    /// When an effect cannot be.
+    pub(super) fn new(machine: &Machine, mounting: &Mounting, asked: &Scenario) -> Result<Self> {
+        hidden::check_all(&asked.hidden)?;
+        let effects = hidden::of_run(asked);
+        let mut bent = Self {
+            scenario: hidden::settings_of(asked),
+            machine: hidden::machine_of(machine, &effects),
+            mounting: hidden::mounting_of(mounting, &effects),
+            offset_mm: hidden::offset_mm(&effects, Ball::Workpiece),
+            delay_s: hidden::delay_s(&effects),
+            hidden: effects,
+        };
+        if asked.coincidence == Coincidence::Touched {
+            bent.touch();
+        }
+        Ok(bent)
+    }
+
+    /// Puts the tool ball where the operator has put it: where he brought the balls together, the errors
+    /// that the slides have there, cold and at rest, are part of the set-up.
+    fn touch(&mut self) {
+        let position_mm = self.mounting.coincidence_mm;
+        let errors = ChainErrors {
+            slides: self.errors(&Condition::rest(position_mm)).slides,
+            ..ChainErrors::zero()
+        };
+        self.scenario.tool_ball_mm -=
+            self.machine.ball_vector_mm(&self.mounting, &position_mm, &errors);
+    }
+
+    /// How the machine is at a log time, with the moment and the state as the test file has them.
+    pub(super) fn at(&self, drive: &Drive, log_s: f64) -> (ClockMoment, State, Condition) {
+        let machine_s = drive.clock.machine_s(log_s);
+        let moment = drive.clock.moment(machine_s);
+        let state = state_at(&drive.trajectory, &moment);
+        // In a pause a slide that will turn round has not done so yet.
+        let turned_by_s = moment.program_s - if moment.in_pause { JUST_BEFORE_S } else { 0.0 };
+        let condition = Condition {
+            position_mm: state.position_mm + self.offset_mm,
+            sense: state.sense,
+            velocity_mm_s: state.velocity_mm_s,
+            elapsed_s: machine_s.max(0.0),
+            reversals: drive.reversals.last(turned_by_s, &state.position_mm),
+            lag_mm: self.lag_mm(drive, machine_s, &moment, &state),
+        };
+        (moment, state, condition)
+    }
+
+    /// How far every slide is from its commanded place, mm, because it is where it was commanded to be some
+    /// time ago on the machine's clock: in a pause it arrives late, and then stands where the others do.
+    fn lag_mm(
+        &self,
+        drive: &Drive,
+        machine_s: f64,
+        moment: &ClockMoment,
+        state: &State,
+    ) -> Vector3<f64> {
+        let stands = moment.in_pause || moment.program_s < 0.0;
+        Vector3::from(Axis::ALL.map(|slide| {
+            let delay_s = self.delay_s[slide.index()];
+            // A slide that leads does not know when the operator will press start.
+            if delay_s == 0.0 || (delay_s < 0.0 && stands) {
+                return 0.0;
+            }
+            let then = drive.clock.moment(machine_s - delay_s);
+            let was_mm = drive.trajectory.at(then.program_s).position_mm;
+            was_mm[slide.index()] - state.position_mm[slide.index()]
+        }))
+    }
+
+    /// The errors of the chain: each slide's error functions (paper, Eq. 3), the set-up errors of the
+    /// two balls, and what the hidden effects add to both.
+    fn errors(&self, now: &Condition) -> ChainErrors {
+        let pose = Pose { position_mm: now.position_mm, sense: now.sense };
+        let mut errors = ChainErrors {
+            slides: Axis::ALL.map(|slide| self.scenario.errors.slide_error(slide, &pose)),
+            workpiece_ball_mm: self.scenario.workpiece_ball_mm,
+            tool_ball_mm: self.scenario.tool_ball_mm,
+        };
+        hidden::add_to_slides(&self.hidden, now, &mut errors.slides);
+        hidden::add_to_balls(&self.hidden, now, &mut errors);
+        errors
+    }
+
+    /// Length that the bar reads through the exact chain, without noise, steps and range, mm.
+    pub(super) fn length_mm(&self, now: &Condition) -> f64 {
+        let place_mm = now.position_mm + now.lag_mm + hidden::displacement_mm(&self.hidden, now);
+        let ball_mm = self.machine.ball_vector_mm(&self.mounting, &place_mm, &self.errors(now));
+        ball_mm.norm() + hidden::reading_mm(&self.hidden, now, &ball_mm)
     }
 }

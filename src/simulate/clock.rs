@@ -43,7 +43,18 @@ impl Clock {
 
     /// The moment of a log time.
     pub fn at(&self, log_s: f64) -> ClockMoment {
-        let mut program_s = log_s * (1.0 + self.ppm * 1e-6) - self.start_s;
+        self.moment(self.machine_s(log_s))
+    }
+
+    /// Time since the program began at a log time, s of the machine's clock, operator's pauses included;
+    /// negative before.
+    pub(super) fn machine_s(&self, log_s: f64) -> f64 {
+        log_s * (1.0 + self.ppm * 1e-6) - self.start_s
+    }
+
+    /// The moment of a time since the program began, s of the machine's clock, operator's pauses included.
+    pub(super) fn moment(&self, machine_s: f64) -> ClockMoment {
+        let mut program_s = machine_s;
         for (leg, (&stop_s, &pause_s)) in self.stops_s.iter().zip(&self.pauses_s).enumerate() {
             if program_s < stop_s {
                 return ClockMoment { program_s, leg, in_pause: false };

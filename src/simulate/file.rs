@@ -22,6 +22,11 @@
 //! per_s = 0.05
 //! mean_s = 1.0
 //! rows = "blank"                 # or "missing"
+//! [[hide]]                       # as often as wanted: a cause and the keys of its text form
+//! cause = "cyclic"
+//! on = "EXX"
+//! period_mm = 10.0
+//! amplitude_um = 1.2
 //! ```
 //!
 //! What is left out keeps its value from [`Scenario::default`]. `[coefficients]` and `[set_up]` are left
@@ -35,7 +40,7 @@ use toml::Spanned;
 
 use super::{Coincidence, Dropouts, Noise, Pauses, Scenario};
 use crate::error::{Error, Place, Result};
-use crate::model::{Coefficient, ErrorFunctions, SetUp};
+use crate::model::{Coefficient, Effect, ErrorFunctions, SetUp};
 use crate::toml_text::{self, Text};
 
 /// Four decimals of time still tell the samples of this rate apart.
@@ -86,7 +91,12 @@ struct RawScenario {
     clock: RawClock,
     pauses: Option<Spanned<RawPauses>>,
     dropouts: Option<RawDropouts>,
+    #[serde(default)]
+    hide: Vec<Spanned<RawEffect>>,
 }
+
+/// Keys differ from cause to cause.
+type RawEffect = BTreeMap<Spanned<String>, Spanned<toml::Value>>;
 
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
@@ -178,8 +188,54 @@ impl RawScenario {
                 missing_rows: of.rows == RawRows::Missing,
             });
         }
+        for table in &self.hide {
+            hide(&mut scenario, table, text)?;
+        }
         Ok(scenario)
     }
+}
+
+/// Hides the effect of a `[[hide]]`.
+fn hide(scenario: &mut Scenario, table: &Spanned<RawEffect>, text: &Text<'_>) -> Result<()> {
+    let mut words: BTreeMap<&str, (&str, Place)> = BTreeMap::new();
+    let mut numbers: Vec<(&str, f64)> = Vec::new();
+    for (key, value) in table.get_ref() {
+        let name = key.get_ref().as_str();
+        let is_word = name == "cause" || name == "on";
+        match value.get_ref() {
+            toml::Value::String(word) if is_word => {
+                words.insert(name, (word, text.place(value.span())));
+            }
+            toml::Value::Float(number) if !is_word => numbers.push((name, *number)),
+            toml::Value::Integer(number) if !is_word => numbers.push((name, *number as f64)),
+            _ => {
+                let expected = if is_word { "text in quotes" } else { "a number" };
+                return Err(Error::input(format!("`{name}` must be {expected}"))
+                    .at(text.place(value.span()))
+                    .hint("in a `[[hide]]`, `cause` and `on` are text, all others are numbers"));
+            }
+        }
+    }
+    let Some((cause, cause_place)) = words.get("cause") else {
+        return Err(Error::input("this `[[hide]]` has no `cause`")
+            .at(text.place(table.span()))
+            .hint("write `cause = \"cyclic\"`; docs/reference.md lists the causes"));
+    };
+    let on = words.get("on");
+    let effect = Effect::of(cause, on.map(|(word, _)| *word), &numbers);
+    effect.and_then(|effect| scenario.hide(effect)).map_err(|error| {
+        // The place of what the message is about; what is missing has only that of its cause.
+        let mut entries = table.get_ref().iter();
+        let number = entries.find_map(|(key, value)| {
+            let name = key.get_ref();
+            let unknown = error.what.ends_with(&format!(" has no `{name}`"));
+            let wrong = error.what.starts_with(&format!("`{name}` of "));
+            unknown.then(|| key.span()).or(wrong.then(|| value.span()))
+        });
+        let seat = on.filter(|(word, _)| error.what.ends_with(&format!(" act on `{word}`")));
+        let place = number.map(|span| text.place(span)).or(seat.map(|(_, place)| place.clone()));
+        error.at(place.unwrap_or_else(|| cause_place.clone()))
+    })
 }
 
 impl RawNoise {

@@ -4,7 +4,8 @@
 //! program ──> motion ──> state ──> bend ──> exact chain ──> length ──> instrument ──> readings
 //!               ^                   ^                                      ^
 //!          feed override     error functions,                 noise, steps, range, dropouts,
-//!                            set-up errors                    a clock of its own
+//!                            set-up errors,                   a clock of its own
+//!                            hidden effects
 //! ```
 //!
 //! The length is that of [`crate::machine::Machine::ball_vector_mm`], bent by
@@ -21,16 +22,19 @@
 //! machine stands and the bar reads on if it is in range.
 //!
 //! Everything random is drawn from `rand_pcg` by the scenario's seed: the same seed gives the same bits.
-//! Pauses, white noise, correlated noise and dropouts have a stream each, so changing one of them
-//! leaves the others as they were.
+//! Pauses, white noise, correlated noise, dropouts and the phases of vibrations have a stream each, so
+//! changing one of them leaves the others as they were.
 //!
-//! **Not modelled:** what the room `motion` does not model (jerk, servo lag), and anything that bends the
-//! chain by more than position and sense, such as temperature. `bend` in `bend.rs` is where such an
-//! effect belongs: it turns the state of the machine into the errors of the chain.
+//! Whatever a machine does beyond its error functions is an effect that a scenario hides: each cause of
+//! [`crate::model::CAUSES`] can be, and `hidden` is where another one belongs.
+//!
+//! **Not modelled:** what the room `motion` does not model, such as the in-position check at a stop, and
+//! elasticity.
 
 mod bend;
 mod clock;
 mod file;
+mod hidden;
 mod instrument;
 mod noise;
 mod random;

@@ -11,6 +11,7 @@ pub(super) enum Purpose {
     White = 2,
     Correlated = 3,
     Dropouts = 4,
+    Vibration = 5,
 }
 
 /// One stream.

@@ -1,6 +1,6 @@
 //! One run: the program on the virtual machine, read by the virtual instrument.
 
-use super::bend::{bend, set_up, state_at};
+use super::bend::{Bent, Drive};
 use super::clock::{self, Clock};
 use super::instrument::{Instrument, Outcome, Reads};
 use super::random::{Purpose, Stream};
@@ -19,7 +19,7 @@ const TIME_STEPS_PER_S: f64 = 1e4;
 pub struct TruePoint {
     /// Where the program was.
     pub moment: ClockMoment,
-    /// Where the machine was commanded to be, and the sense of every slide.
+    /// Where the machine was commanded to be as the test file has it, and the sense of every slide.
     pub state: State,
     /// Length minus nominal length through the exact chain, without noise, steps and range, mm.
     pub exact_mm: f64,
@@ -35,7 +35,8 @@ pub struct SimulatedRun {
     pub truth: Vec<TruePoint>,
     /// The two clocks, with the length of every operator's pause.
     pub clock: Clock,
-    /// What was asked for, with the set-up errors that came of it.
+    /// What was asked for, with the set-up errors that came of it and the coefficients, the feed override
+    /// and the clock that effects hide.
     pub scenario: Scenario,
     /// Samples a second.
     pub sample_rate_hz: f64,
@@ -51,7 +52,7 @@ pub struct SimulatedRun {
 /// it reads; its noise and its clock tolerance are what the user believes and are not used.
 ///
 /// # Errors
-/// When the scenario lists another number of pauses than the program has.
+/// When the scenario lists another number of pauses than the program has, or hides what cannot be.
 ///
 /// ```
 /// use ballbar::machine::Machine;
@@ -74,8 +75,9 @@ pub fn run(
     bar: &BallBar,
     scenario: &Scenario,
 ) -> Result<SimulatedRun> {
-    let scenario = &set_up(scenario, machine, mounting);
-    let trajectory = Trajectory::new(program, machine, scenario.feed_override);
+    let bent = Bent::new(machine, mounting, scenario)?;
+    let scenario = &bent.scenario;
+    let trajectory = Trajectory::new(program, &bent.machine, scenario.feed_override);
     let pauses_s = pauses_s(program, &trajectory, scenario)?;
     let clock = Clock::new(&trajectory, scenario.start_s, scenario.clock_ppm, pauses_s);
     let sample_rate_hz = scenario.sample_rate_hz.unwrap_or(bar.sample_rate_hz);
@@ -84,17 +86,15 @@ pub fn run(
     let mut instrument =
         Instrument::new(scenario, Reads { range_mm, resolution_mm }, sample_rate_hz.recip());
 
-    let last_s = clock.end_log_s() + scenario.after_s;
+    let drive = Drive::new(trajectory, clock);
+    let last_s = drive.clock.end_log_s() + scenario.after_s;
     let samples = (last_s * sample_rate_hz).floor().max(0.0) as usize + 1;
     let mut readings = Vec::with_capacity(samples);
     let mut truth = Vec::with_capacity(samples);
     for k in 0..samples {
         let log_s = k as f64 / sample_rate_hz;
-        let moment = clock.at(log_s);
-        let state = state_at(&trajectory, &moment);
-        let errors = bend(scenario, &state);
-        let ball_mm = machine.ball_vector_mm(mounting, &state.position_mm, &errors);
-        let exact_mm = ball_mm.norm() - bar.length_mm;
+        let (moment, state, condition) = bent.at(&drive, log_s);
+        let exact_mm = bent.length_mm(&condition) - bar.length_mm;
         if let Outcome::Row(deviation_mm) = instrument.sample(exact_mm) {
             let written_s = (log_s * TIME_STEPS_PER_S).round() / TIME_STEPS_PER_S;
             readings.push((written_s, deviation_mm));
@@ -108,8 +108,8 @@ pub fn run(
     Ok(SimulatedRun {
         readings,
         truth,
-        clock,
-        scenario: scenario.clone(),
+        clock: drive.clock,
+        scenario: bent.scenario,
         sample_rate_hz,
         resolution_mm,
         feed_mm_s: feeds.fold(0.0, f64::max),

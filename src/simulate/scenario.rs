@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::Noise;
-use crate::model::{Ball, Coefficient, ErrorFunctions, SetUp};
+use crate::model::{Ball, Coefficient, Effect, ErrorFunctions, SetUp};
 
 /// How long the operator pauses at every M00.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,6 +70,10 @@ pub struct Scenario {
     pub range_mm: Option<f64>,
     /// How long the log goes on after the program, s.
     pub after_s: f64,
+    /// What the machine, the bar or the files do besides; [`Scenario::hide`] adds to it and checks.
+    pub hidden: Vec<Effect>,
+    /// Which run of its campaign this is, counted from 1: a ball is knocked in one of them.
+    pub run_number: u32,
 }
 
 /// The paper's Table 5 (horizontal machining centre, 3D6 at 500 mm/min), without the four of its 37
@@ -158,6 +162,8 @@ impl Scenario {
             resolution_mm: None,
             range_mm: None,
             after_s: 5.0,
+            hidden: Vec::new(),
+            run_number: 1,
         }
     }
 
@@ -165,6 +171,13 @@ impl Scenario {
     #[must_use]
     pub fn with_seed(mut self, seed: u64) -> Self {
         self.seed = seed;
+        self
+    }
+
+    /// The same scenario as another run of the campaign, counted from 1.
+    #[must_use]
+    pub fn with_run_number(mut self, run_number: u32) -> Self {
+        self.run_number = run_number;
         self
     }
 

@@ -34,11 +34,17 @@ pub struct TrueRun<'a> {
     pub run: &'a SimulatedRun,
 }
 
-/// What was put into simulated logs, as TOML: for each run its start, its pauses, its clock, and the
-/// coefficients and set-up errors that are not zero, in mm and rad.
+/// What was put into simulated logs, as TOML: the hidden effects, joined by ` + `, which all runs share,
+/// and for each run its start, its pauses, its clock, and the coefficients and set-up errors that are not
+/// zero, in mm and rad, with what is hidden in them.
+///
+/// Each effect reads back through [`crate::model::Effect::parse`].
 pub fn truth_toml(runs: &[TrueRun<'_>]) -> String {
-    let mut text = String::from(
-        "# What was put into these logs. For scoring only: no command reads it.\neffect = \"none\"\n",
+    let hidden = runs.first().map_or(&[][..], |first| &first.run.scenario.hidden);
+    let effects: Vec<String> = hidden.iter().map(ToString::to_string).collect();
+    let effect = if effects.is_empty() { "none".to_owned() } else { effects.join(" + ") };
+    let mut text = format!(
+        "# What was put into these logs. For scoring only: no command reads it.\neffect = {effect:?}\n",
     );
     for TrueRun { log, program, run } in runs {
         let pauses: Vec<String> = run.clock.pauses_s.iter().map(|s| format!("{s:?}")).collect();

@@ -6,6 +6,7 @@ mod check;
 mod design;
 mod given;
 mod good;
+mod hide;
 mod mountings;
 mod plan;
 mod refused;

@@ -1,0 +1,109 @@
+//! Hidden effects: what the virtual machine does beyond cubics, hysteresis and set-up errors.
+//!
+//! Each cause of [`CAUSES`](crate::model::CAUSES) works on one of four places of a run:
+//!
+//! | place | file | causes |
+//! | --- | --- | --- |
+//! | what the test and machine files say | `settings` | coefficient, pivot, ball-place, feed-override, clock |
+//! | the error functions of a slide | `functions` | cyclic, degree, bump, joint, growing-backlash, pre-sliding, friction-tilt, drift of a scale |
+//! | where a slide stands | `followings` | servo, reversal-spike, stick-slip |
+//! | the balls and the bar | `readings` | drift, knock, vibration, bar-length, roundness |
+//!
+//! All are worked out here from the equation and the motion, and go through the exact chain; nothing of
+//! the columns that look for them is used.
+
+mod followings;
+mod functions;
+mod harmonics;
+mod readings;
+mod settings;
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+mod tests;
+
+use super::Scenario;
+use super::random::{Purpose, Stream};
+use crate::error::{Error, Result};
+use crate::model::Effect;
+
+pub(super) use followings::{delay_s, displacement_mm};
+pub(super) use functions::add_to_slides;
+pub(super) use readings::{add_to_balls, reading_mm};
+pub(super) use settings::{machine_of, mounting_of, offset_mm, settings_of};
+
+/// Keys that count something.
+const WHOLE: [&str; 3] = ["degree", "order", "run"];
+
+/// Causes that say how a thing is, not by how much it differs: there is one truth.
+const STATED: [&str; 3] = ["feed-override", "clock", "pivot"];
+
+impl Scenario {
+    /// Hides one more effect.
+    ///
+    /// # Errors
+    /// When one of its numbers must be whole and is not, when the order of a harmonic is beyond its
+    /// degree, and when what can be true only once is hidden already.
+    ///
+    /// ```
+    /// use ballbar::model::Effect;
+    /// use ballbar::simulate::Scenario;
+    ///
+    /// let mut scenario = Scenario::default();
+    /// scenario.hide(Effect::parse("servo:on=Y,delay_ms=0.4")?)?;
+    /// let beyond = Effect::parse("roundness:amplitude_um=0.3,degree=2,order=3")?;
+    /// assert!(scenario.hide(beyond).is_err());
+    /// # Ok::<(), ballbar::Error>(())
+    /// ```
+    pub fn hide(&mut self, effect: Effect) -> Result<()> {
+        check(&effect, &self.hidden)?;
+        self.hidden.push(effect);
+        Ok(())
+    }
+}
+
+/// Refuses effects that cannot be, though each of their numbers can.
+pub(super) fn check_all(effects: &[Effect]) -> Result<()> {
+    effects.iter().enumerate().try_for_each(|(k, effect)| check(effect, &effects[..k]))
+}
+
+fn check(effect: &Effect, others: &[Effect]) -> Result<()> {
+    let id = effect.cause.id;
+    for (name, number) in effect.written() {
+        if WHOLE.contains(&name.as_str()) && number.fract() != 0.0 {
+            return Err(Error::input(format!(
+                "`{name}` of `{id}` must be a whole number, not {number}"
+            ))
+            .hint(format!("write `{name}={}`", number.round())));
+        }
+    }
+    let (degree, order) = (effect.get("degree"), effect.get("order"));
+    if order.abs() > degree {
+        return Err(Error::input(format!(
+            "`order` of `{id}` must be from -{degree} to {degree}, its degree, not {order}"
+        ))
+        .hint("orders above 0 go with the cosine of the azimuth, below 0 with the sine"));
+    }
+    let same = |other: &Effect| other.cause == effect.cause && other.seat == effect.seat;
+    if STATED.contains(&id) && others.iter().any(same) {
+        return Err(Error::input(format!("`{id}` is hidden twice"))
+            .hint("hide it once, with the value that is true"));
+    }
+    Ok(())
+}
+
+/// The effects of one run: what is drawn anew for every run is drawn, and knocks of other runs are gone.
+pub(super) fn of_run(scenario: &Scenario) -> Vec<Effect> {
+    let mut phases = Stream::new(scenario.seed, Purpose::Vibration);
+    let mut effects = scenario.hidden.clone();
+    effects.retain(|effect| {
+        effect.cause.id != "knock" || effect.get("run") as u32 == scenario.run_number
+    });
+    let drawn = |effect: Effect| match effect.cause.id {
+        "vibration" => {
+            let phase_rad = effect.get("phase_rad") + phases.between([0.0, std::f64::consts::TAU]);
+            effect.with("phase_rad", phase_rad)
+        }
+        _ => effect,
+    };
+    effects.into_iter().map(drawn).collect()
+}
