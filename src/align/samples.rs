@@ -109,6 +109,7 @@ impl Alignment {
                     velocity_mm_s: state.velocity_mm_s,
                     elapsed_s: time_map.on_leg_s(log_s, 0),
                     reversals: self.reversals.last(moment.program_s, &state.position_mm),
+                    corner: trajectory.corner(moment.program_s, state.block),
                 },
                 place,
                 leg: moment.leg,

@@ -1,23 +1,40 @@
 //! Which effects there are: forward selection with replacement.
+//!
+//! At every step each cause of the library is tried on every seat, beside what has been accepted; the one
+//! that explains most joins, and all are fitted anew. A curve of any shape over the same variables is tried
+//! as well: where it explains much more than the best cause does, the best cause is the best of bad ones,
+//! and the curve is taken instead.
+
+use std::cmp::Ordering;
 
 use rayon::prelude::*;
 
-use super::data::Data;
-use super::element::Element;
+use super::curves::{self, Curve};
+use super::data::{Data, dot};
+use super::element::{Element, Form, Owner};
 use super::joint::{self, Fitted};
 use super::noise::Noise;
 use super::screen::{Candidate, Screen};
+use crate::model::{CAUSES, Component, Seat};
 
 /// More effects than this are not looked for at once.
-const MOST_EFFECTS: usize = 5;
+const MOST_EFFECTS: usize = 6;
 /// Candidates that are looked at closely.
 const CLOSELY: usize = 10;
 /// And only those that explain at least this share of what the best one does.
-const WORTH_A_LOOK: f64 = 0.3;
-/// An effect must gain this many times what chance gives an amplitude: five sigma, and the search.
-const BEYOND_CHANCE: f64 = 60.0;
+const WORTH_A_LOOK: f64 = 0.4;
+/// An effect must gain this many times what chance gives an amplitude: some seven sigma, for the search.
+const BEYOND_CHANCE: f64 = 50.0;
 /// And be this large against the noise of a reading, rms: what is smaller nobody misses.
 const WORTH_NAMING: f64 = 0.1;
+/// A cause that explains less than this share of what a curve does is not named.
+const OF_A_CURVE: f64 = 0.85;
+/// Causes in place of a curve explain at least this share of what the curve does.
+const INSTEAD_OF_A_CURVE: f64 = 0.99;
+/// Two effects whose traces differ by less than this share of their squares are the same in these runs.
+const SAME: f64 = 1e-3;
+/// Effects whose difference is within so many of its standard deviations are not decided between.
+const UNDECIDED_SIGMAS: f64 = 3.0;
 
 /// A candidate after a closer look.
 #[derive(Debug, Clone)]
@@ -27,10 +44,286 @@ pub(super) struct Tried {
     pub(super) score_mm2: f64,
 }
 
-pub(super) fn closely(data: &Data, candidates: Vec<Candidate>, noise: &Noise) -> Vec<Tried> {
+/// Another explanation of the same.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rival {
+    /// What else it could be.
+    pub element: Element,
+    /// What it explains of what the named one does.
+    pub share: f64,
+    /// How far these runs tell them apart.
+    pub told: Told,
+}
+
+/// Whether two explanations can be told apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Told {
+    /// They are the same in these runs, whatever the noise.
+    Same,
+    /// They differ by less than the noise does.
+    Undecided,
+    /// The other one explains less.
+    Apart,
+}
+
+/// What was found.
+#[derive(Debug)]
+pub(super) struct Chosen {
+    pub(super) fitted: Fitted,
+    /// Other explanations of each element.
+    pub(super) rivals: Vec<Vec<Rival>>,
+}
+
+/// The search, with what it looks at.
+pub(super) struct Search<'a> {
+    pub(super) data: &'a mut Data,
+    pub(super) screen: &'a mut Screen,
+}
+
+impl Search<'_> {
+    /// The effects that there are; `None` for none.
+    pub(super) fn run(&mut self) -> Option<Chosen> {
+        let mut fitted = self.forward(None, true, MOST_EFFECTS)?;
+        fitted = self.without_curves(fitted);
+        let mut rivals = vec![Vec::new(); fitted.elements.len()];
+        let mut index = 0;
+        let mut replaced = 0;
+        while index < fitted.elements.len() {
+            let (better, others) = self.rivals(&fitted, index);
+            match better {
+                Some(better) if replaced < MOST_EFFECTS => {
+                    fitted = better;
+                    replaced += 1;
+                    // What the others are may hang on it.
+                    index = 0;
+                    rivals = vec![Vec::new(); fitted.elements.len()];
+                }
+                _ => {
+                    rivals[index] = others;
+                    index += 1;
+                }
+            }
+        }
+        self.accept(Some(&fitted));
+        let fitted = self.by_size(fitted);
+        Some(fitted).map(|(fitted, order)| Chosen {
+            fitted,
+            rivals: order.into_iter().map(|k| std::mem::take(&mut rivals[k])).collect(),
+        })
+    }
+
+    /// The largest effect first.
+    fn by_size(&mut self, fitted: Fitted) -> (Fitted, Vec<usize>) {
+        let sizes: Vec<f64> = (0..fitted.elements.len())
+            .map(|k| {
+                let first = fitted.first_index(k);
+                let own = &fitted.columns[first..first + fitted.amplitudes[k].len()];
+                let mut part = fitted.clone();
+                part.elements = vec![fitted.elements[k].clone()];
+                part.columns = own.to_vec();
+                part.amplitudes = vec![fitted.amplitudes[k].clone()];
+                super::data::norm2(&part.effect(self.data))
+            })
+            .collect();
+        let mut order: Vec<usize> = (0..sizes.len()).collect();
+        order.sort_by(|a, b| sizes[*b].total_cmp(&sizes[*a]));
+        let elements = order.iter().map(|&k| fitted.elements[k].clone()).collect();
+        let fitted = self.fit_all(elements).unwrap_or(fitted);
+        (fitted, order)
+    }
+
+    /// Takes effects for accepted, or none.
+    fn accept(&mut self, fitted: Option<&Fitted>) {
+        self.data.accept(fitted.map_or(&[], |fitted| &fitted.columns));
+        self.screen.renew(self.data);
+    }
+
+    /// Fits effects together beside the model alone.
+    fn fit_all(&mut self, elements: Vec<Element>) -> Option<Fitted> {
+        let span = std::mem::take(&mut self.data.span);
+        let left = std::mem::take(&mut self.data.left_mm);
+        self.data.accept(&[]);
+        let fitted = joint::fit(self.data, elements);
+        (self.data.span, self.data.left_mm) = (span, left);
+        fitted
+    }
+
+    /// Adds what passes to what there is, up to so many effects.
+    fn forward(&mut self, from: Option<Fitted>, with_curves: bool, most: usize) -> Option<Fitted> {
+        let mut chosen = from;
+        self.accept(chosen.as_ref());
+        while chosen.as_ref().map_or(0, |fitted| fitted.elements.len()) < most {
+            let noise = Noise::of(self.data);
+            let least = threshold_mm2(self.data, &noise);
+            let best = closely(self.data, self.screen.candidates(self.data), &noise, least);
+            let best = best.into_iter().next().filter(|best| best.score_mm2 > least);
+            let curve = with_curves.then(|| curves::curves(&self.screen.channels, &noise));
+            let curve: Option<Curve> = curve
+                .and_then(|curves| curves.into_iter().next())
+                .filter(|curve| curve.score_mm2 > least);
+            let of_a_curve = OF_A_CURVE * curve.as_ref().map_or(0.0, |curve| curve.score_mm2);
+            let next = match (best, curve) {
+                (Some(best), _) if best.score_mm2 >= of_a_curve => best.fitted.elements,
+                (_, Some(curve)) => vec![Element {
+                    form: Form::Empirical(curve.empirical),
+                    owner: Owner::All,
+                }],
+                _ => break,
+            };
+            let before = chosen.iter().flat_map(|fitted| fitted.elements.clone());
+            let Some(all) = self.fit_all(before.chain(next).collect()) else { break };
+            self.accept(Some(&all));
+            chosen = Some(all);
+        }
+        chosen
+    }
+
+    /// Causes in place of curves, where they explain as much.
+    fn without_curves(&mut self, fitted: Fitted) -> Fitted {
+        let mut best = fitted;
+        let mut index = 0;
+        while index < best.elements.len() {
+            if best.elements[index].shape().is_some() {
+                index += 1;
+                continue;
+            }
+            let mut others = best.elements.clone();
+            others.remove(index);
+            let start = if others.is_empty() { None } else { self.fit_all(others) };
+            let most = best.elements.len() + 1;
+            let tried = self.forward(start, false, most);
+            match tried {
+                Some(tried) if self.score(&tried) > INSTEAD_OF_A_CURVE * self.score(&best) => {
+                    best = tried;
+                    index = 0;
+                }
+                _ => index += 1,
+            }
+        }
+        self.accept(Some(&best));
+        best
+    }
+
+    /// Gain less what the numbers gain by chance, mm².
+    fn score(&self, fitted: &Fitted) -> f64 {
+        let noise = Noise::of(self.data);
+        fitted.gain_mm2 - 2.0 * fitted.columns.len() as f64 * noise.long_run_mm2
+    }
+
+    /// What else an element could be; and all effects with a better one in its place, if there is one.
+    fn rivals(&mut self, fitted: &Fitted, index: usize) -> (Option<Fitted>, Vec<Rival>) {
+        let element = fitted.elements[index].clone();
+        if element.shape().is_none() {
+            return (None, Vec::new());
+        }
+        self.accept(Some(fitted));
+        let noise = Noise::of(self.data);
+        let mut others = fitted.elements.clone();
+        others.remove(index);
+        let others = if others.is_empty() { None } else { self.fit_all(others) };
+        self.accept(others.as_ref());
+        let Some(own) = joint::fit(self.data, vec![element.clone()]) else {
+            return (None, Vec::new());
+        };
+        let trace = self.outside(&own);
+        let square: f64 = trace.iter().map(|c| dot(c, c)).sum();
+        let tried = closely(self.data, self.screen.candidates(self.data), &noise, 0.0);
+        let mut rivals = Vec::new();
+        let mut better: Option<(Element, f64)> = None;
+        for other in tried {
+            let rival = &other.fitted.elements[0];
+            if alike(rival, &element) {
+                continue;
+            }
+            let other_trace = self.outside(&other.fitted);
+            let apart: f64 = trace
+                .iter()
+                .zip(&other_trace)
+                .flat_map(|(a, b)| a.iter().zip(b))
+                .map(|(a, b)| (a - b).powi(2))
+                .sum();
+            let less_mm2 = own.gain_mm2 - other.fitted.gain_mm2;
+            let doubt_mm2 = UNDECIDED_SIGMAS * 2.0 * (noise.long_run_mm2 * apart).sqrt();
+            let told = if apart < SAME * square {
+                Told::Same
+            } else if less_mm2.abs() < doubt_mm2 {
+                Told::Undecided
+            } else {
+                Told::Apart
+            };
+            let preferred = match told {
+                Told::Same | Told::Undecided => simpler(rival, &element) == Ordering::Less,
+                Told::Apart => less_mm2 < 0.0,
+            };
+            // Of what hardly differs, the one that is named first, and never back again.
+            if preferred && better.as_ref().is_none_or(|(b, _)| simpler(rival, b) == Ordering::Less) {
+                better = Some((rival.clone(), other.fitted.gain_mm2));
+            }
+            let share = other.fitted.gain_mm2 / own.gain_mm2;
+            rivals.push(Rival { element: rival.clone(), share, told });
+        }
+        let better = better.and_then(|(instead, _)| {
+            let mut elements = fitted.elements.clone();
+            elements[index] = instead;
+            self.fit_all(elements)
+        });
+        (better, rivals)
+    }
+
+    /// The trace of a fitted effect outside of the model and of what has been accepted.
+    fn outside(&self, fitted: &Fitted) -> Vec<Vec<f64>> {
+        let mut trace = fitted.effect(self.data);
+        for unit in &self.data.span {
+            let along: f64 = unit.iter().zip(&trace).map(|(u, c)| dot(u, c)).sum();
+            for (u, c) in unit.iter().zip(&mut trace) {
+                for (c, u) in c.iter_mut().zip(u) {
+                    *c -= along * u;
+                }
+            }
+        }
+        trace
+    }
+}
+
+/// The same cause on the same seat; of periods only those that are one after the closer look.
+fn alike(a: &Element, b: &Element) -> bool {
+    let (Some(a), Some(b)) = (a.shape(), b.shape()) else { return false };
+    let near = match (a.inner, b.inner) {
+        (Some(x), Some(y)) => (x / y - 1.0).abs() < 0.02 || a.cause.id == "drift",
+        _ => true,
+    };
+    a.cause.id == b.cause.id && a.seat == b.seat && near
+}
+
+/// Which of two explanations that do equally well is named first.
+fn simpler(a: &Element, b: &Element) -> Ordering {
+    let rank = |element: &Element| {
+        let Some(shape) = element.shape() else { return (usize::MAX, 0, 0) };
+        let cause = CAUSES.iter().position(|cause| cause.id == shape.cause.id).unwrap_or(0);
+        let seat = match shape.seat {
+            Seat::Function(slide, component) if component as usize == slide.index() => 0,
+            Seat::Function(_, component) if !component.is_angular() => 1,
+            Seat::Function(..) => 2,
+            _ => 0,
+        };
+        let component = match shape.seat {
+            Seat::Function(_, component) => component as usize,
+            _ => Component::X as usize,
+        };
+        (cause, seat, component)
+    };
+    rank(a).cmp(&rank(b))
+}
+
+/// The most promising candidates fitted to the samples themselves, the best first; nothing where none
+/// comes near what counts.
+fn closely(data: &Data, candidates: Vec<Candidate>, noise: &Noise, least_mm2: f64) -> Vec<Tried> {
     let mut candidates = candidates;
     candidates.sort_by(|a, b| b.gain_mm2.total_cmp(&a.gain_mm2));
     let best = candidates.first().map_or(0.0, |c| c.gain_mm2);
+    if best < 0.5 * least_mm2 {
+        return Vec::new();
+    }
     candidates.retain(|c| c.gain_mm2 > WORTH_A_LOOK * best);
     candidates.truncate(CLOSELY);
     let mut tried: Vec<Tried> = candidates
@@ -39,7 +332,7 @@ pub(super) fn closely(data: &Data, candidates: Vec<Candidate>, noise: &Noise) ->
             let fitted = joint::fit(data, vec![candidate.element])?;
             let numbers = fitted.columns.len() as f64;
             let score_mm2 = fitted.gain_mm2 - 2.0 * numbers * noise.long_run_mm2;
-            Some(Tried { fitted, score_mm2 })
+            (fitted.seen > super::screen::SEEN).then_some(Tried { fitted, score_mm2 })
         })
         .collect();
     tried.sort_by(|a, b| b.score_mm2.total_cmp(&a.score_mm2));
@@ -50,36 +343,4 @@ pub(super) fn closely(data: &Data, candidates: Vec<Candidate>, noise: &Noise) ->
 pub(super) fn threshold_mm2(data: &Data, noise: &Noise) -> f64 {
     let chance = BEYOND_CHANCE * noise.long_run_mm2;
     chance.max(WORTH_NAMING * WORTH_NAMING * noise.variance_mm2 * data.samples() as f64)
-}
-
-/// Effects, one after the other, until none passes.
-pub(super) fn forward(data: &mut Data, screen: &mut Screen) -> Option<Fitted> {
-    let mut chosen: Option<Fitted> = None;
-    for _ in 0..MOST_EFFECTS {
-        let start = std::time::Instant::now();
-        let noise = Noise::of(data);
-        let candidates = screen.candidates(data);
-        let t1 = start.elapsed();
-        let tried = closely(data, candidates, &noise);
-        let n = data.samples() as f64;
-        eprintln!("screen {:?} closely {:?}; left {:.4} um, noise lr {:.4} um", t1, start.elapsed(), 1e3*(data.squares_mm2()/n).sqrt(), 1e3*noise.long_run_mm2.sqrt());
-        for t in tried.iter().take(6) {
-            eprintln!("   {} gain {:.4} um seen {:.4} a {:?}", t.fitted.elements[0].shape().map_or(String::new(), |s| s.name()), 1e3*(t.fitted.gain_mm2.max(0.0)/n).sqrt(), t.fitted.seen, t.fitted.amplitudes);
-        }
-        let Some(best) = tried.into_iter().next() else { break };
-        if best.score_mm2 < threshold_mm2(data, &noise) {
-            break;
-        }
-        let elements: Vec<Element> = chosen
-            .iter()
-            .flat_map(|fitted| fitted.elements.clone())
-            .chain(best.fitted.elements)
-            .collect();
-        data.accept(&[]);
-        let Some(all) = joint::fit(data, elements) else { break };
-        data.accept(&all.columns);
-        screen.renew(data);
-        chosen = Some(all);
-    }
-    chosen
 }

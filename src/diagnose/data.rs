@@ -147,7 +147,7 @@ impl Data {
                 if c.is_empty() {
                     return Vec::new();
                 }
-                let along = block.along(c);
+                let along = block.along(&[c]).remove(0);
                 let rows = block.q.chunks_exact(block.rank.max(1));
                 c.iter().zip(rows).map(|(c, row)| c - dot(row, &along)).collect()
             })
@@ -159,13 +159,16 @@ impl Data {
 const NOTHING_LEFT: f64 = 1e-7;
 
 impl Block {
-    /// `Q^T c`.
-    pub(super) fn along(&self, column: &[f64]) -> Vec<f64> {
-        let mut along = vec![0.0; self.rank];
-        for (c, row) in column.iter().zip(self.q.chunks_exact(self.rank.max(1))) {
-            if *c != 0.0 {
-                for (a, q) in along.iter_mut().zip(row) {
-                    *a += c * q;
+    /// `Q^T c` of several columns in one pass; of an empty one zeros.
+    pub(super) fn along(&self, columns: &[&[f64]]) -> Vec<Vec<f64>> {
+        let mut along = vec![vec![0.0; self.rank]; columns.len()];
+        for (k, row) in self.q.chunks_exact(self.rank.max(1)).enumerate() {
+            for (along, column) in along.iter_mut().zip(columns) {
+                let c = column.get(k).copied().unwrap_or(0.0);
+                if c != 0.0 {
+                    for (a, q) in along.iter_mut().zip(row) {
+                        *a += c * q;
+                    }
                 }
             }
         }

@@ -5,6 +5,8 @@
 //! by Gauss-Newton with the derivative of the fitted effect as a further column (variable projection,
 //! Kaufman 1975).
 
+use rayon::prelude::*;
+
 use super::data::{Column, Data, dot};
 use super::element::Element;
 use crate::solve::{Cholesky, Matrix};
@@ -12,7 +14,7 @@ use crate::solve::{Cholesky, Matrix};
 /// Steps of Gauss-Newton; a good start takes three.
 const MOST_STEPS: usize = 12;
 /// A step that lowers the sum of squares by less than this share of the gain is the last.
-const SETTLED: f64 = 1e-6;
+const SETTLED: f64 = 1e-5;
 
 /// Effects with everything that was estimated of them.
 #[derive(Debug, Clone)]
@@ -60,48 +62,56 @@ impl Fitted {
 }
 
 /// Columns with their products.
+#[derive(Default)]
 struct System {
     columns: Vec<Column>,
+    /// `Q^T c` of each column in each block.
+    along: Vec<Vec<Vec<f64>>>,
+    /// Products with the accepted columns.
+    accepted: Vec<Vec<f64>>,
     normal: Matrix,
     common: Vec<f64>,
     raw: Vec<f64>,
 }
 
 impl System {
-    fn of(data: &Data, columns: Vec<Column>) -> Self {
-        let n = columns.len();
-        let along: Vec<Vec<Vec<f64>>> = {
-            use rayon::prelude::*;
-            columns
-                .par_iter()
-                .map(|column| {
-                    column
-                        .iter()
-                        .zip(&data.blocks)
-                        .map(|(c, block)| if c.is_empty() { Vec::new() } else { block.along(c) })
-                        .collect()
-                })
-                .collect()
-        };
-        let accepted: Vec<Vec<f64>> = columns
-            .iter()
-            .map(|column| data.span.iter().map(|unit| product(unit, column)).collect())
+    /// Adds columns.
+    fn push(&mut self, data: &Data, columns: Vec<Column>) {
+        let first = self.columns.len();
+        let by_block: Vec<Vec<Vec<f64>>> = data
+            .blocks
+            .par_iter()
+            .enumerate()
+            .map(|(index, block)| {
+                let of_block: Vec<&[f64]> = columns.iter().map(|c| c[index].as_slice()).collect();
+                block.along(&of_block)
+            })
             .collect();
+        for (k, column) in columns.into_iter().enumerate() {
+            self.along.push(by_block.iter().map(|block| block[k].clone()).collect());
+            self.accepted.push(data.span.iter().map(|unit| product(unit, &column)).collect());
+            self.common.push(product(&column, &data.left_mm));
+            self.columns.push(column);
+        }
+        let n = self.columns.len();
         let mut normal = Matrix::zeros(n, n);
-        let mut raw = vec![0.0; n];
         for i in 0..n {
             for k in 0..=i {
-                let both = product(&columns[i], &columns[k]);
-                if i == k {
-                    raw[i] = both;
-                }
-                let spanned: f64 = along[i].iter().zip(&along[k]).map(|(a, b)| dot(a, b)).sum();
-                normal[(i, k)] = both - spanned - dot(&accepted[i], &accepted[k]);
+                normal[(i, k)] = if i < first {
+                    self.normal[(i, k)]
+                } else {
+                    let both = product(&self.columns[i], &self.columns[k]);
+                    if i == k {
+                        self.raw.push(both);
+                    }
+                    let pairs = self.along[i].iter().zip(&self.along[k]);
+                    let spanned: f64 = pairs.map(|(a, b)| dot(a, b)).sum();
+                    both - spanned - dot(&self.accepted[i], &self.accepted[k])
+                };
                 normal[(k, i)] = normal[(i, k)];
             }
         }
-        let common = columns.iter().map(|column| product(column, &data.left_mm)).collect();
-        Self { columns, normal, common, raw }
+        self.normal = normal;
     }
 
     fn part(&self, keep: usize) -> (Matrix, &[f64]) {
@@ -128,9 +138,9 @@ pub(super) fn fit(data: &Data, elements: Vec<Element>) -> Option<Fitted> {
     for _ in 0..MOST_STEPS {
         let of_elements: Vec<Vec<Column>> = elements.iter().map(|e| e.columns(data)).collect();
         let counts: Vec<usize> = of_elements.iter().map(Vec::len).collect();
-        let mut columns: Vec<Column> = of_elements.into_iter().flatten().collect();
-        let linear = columns.len();
-        let system = System::of(data, columns);
+        let mut system = System::default();
+        system.push(data, of_elements.into_iter().flatten().collect());
+        let linear = system.columns.len();
         let (normal, common) = system.part(linear);
         let amplitudes = Cholesky::of(&normal)?.solve(common);
         let gain_mm2 = dot(&amplitudes, common);
@@ -157,21 +167,18 @@ pub(super) fn fit(data: &Data, elements: Vec<Element>) -> Option<Fitted> {
         let seen = (0..linear)
             .map(|k| system.normal[(k, k)] / system.raw[k].max(f64::MIN_POSITIVE))
             .fold(f64::INFINITY, f64::min);
-        columns = system.columns;
         let mut by_element = Vec::new();
+        let mut inside = Vec::new();
         let mut first = 0;
-        for count in &counts {
-            by_element.push(amplitudes[first..first + count].to_vec());
-            first += count;
-        }
-        let mut first = 0;
-        for (element, (own, count)) in elements.iter().zip(by_element.iter().zip(&counts)) {
+        for (element, count) in elements.iter().zip(&counts) {
+            let own = amplitudes[first..first + count].to_vec();
             if element.free().is_some() {
-                columns.push(derivative(data, element, own, &columns[first..first + count]));
+                inside.push(derivative(data, element, &own, &system.columns[first..first + count]));
             }
+            by_element.push(own);
             first += count;
         }
-        let system = System::of(data, columns);
+        system.push(data, inside);
         let (normal, common) = system.part(system.columns.len());
         let cholesky = Cholesky::of(&normal)?;
         let step = cholesky.solve(common);

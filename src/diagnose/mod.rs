@@ -25,7 +25,18 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<(
     eprintln!("data {:?} {} samples", start.elapsed(), data.samples());
     let mut screen = screen::Screen::new(&data, &campaign.terms);
     eprintln!("screen {:?} {} channels", start.elapsed(), screen.channels.len());
-    choose::forward(&mut data, &mut screen);
+    let n = data.samples() as f64;
+    let chosen = choose::Search { data: &mut data, screen: &mut screen }.run();
+    if let Some(chosen) = chosen {
+        for (k, element) in chosen.fitted.elements.iter().enumerate() {
+            let name = element.shape().map_or_else(|| format!("{element:?}").chars().take(150).collect(), |s| s.name());
+            eprintln!("FOUND {name} {:?}", chosen.fitted.amplitudes[k].iter().take(4).collect::<Vec<_>>());
+            for rival in &chosen.rivals[k] {
+                eprintln!("      or {} share {:.4} {:?}", rival.element.shape().unwrap().name(), rival.share, rival.told);
+            }
+        }
+    }
+    eprintln!("left {:.4} um", 1e3 * (data.squares_mm2() / n).sqrt());
     eprintln!("done {:?}", start.elapsed());
     Ok(())
 }

@@ -96,7 +96,11 @@ impl Screen {
                     inner: None,
                 }),
         );
-        direct.push(Shape { cause: named("servo"), seat: Seat::Whole, inner: None });
+        direct.extend(grid(1e-3, 40e-3, 24).into_iter().map(|delay_s| Shape {
+            cause: named("servo"),
+            seat: Seat::Whole,
+            inner: Some(delay_s),
+        }));
         // What the model spans is never seen again.
         let seen: Vec<bool> = direct
             .par_iter()

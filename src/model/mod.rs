@@ -29,7 +29,7 @@ pub use coefficient::{Ball, Coefficient, Component, Power, SetUp};
 pub use effect::{Effect, Seat};
 pub use functions::ErrorFunctions;
 pub use jacobian::{Situation, SlideGradient};
-pub use motion::{Motion, Reversal};
+pub use motion::{Corner, Motion, Reversal};
 pub use sets::{COMPLETE, NAMED_SETS, coefficients, terms};
 pub use shape::Shape;
 pub use term::{Model, Parameter, Term};

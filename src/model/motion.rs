@@ -11,6 +11,15 @@ pub struct Reversal {
     pub ago_mm: f64,
 }
 
+/// The next corner of the path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Corner {
+    /// How soon, s.
+    pub ahead_s: f64,
+    /// By how much the commanded velocity of X, Y, Z jumps there, mm/s.
+    pub jump_mm_s: Vector3<f64>,
+}
+
 /// How the machine moves at a moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Motion {
@@ -20,10 +29,16 @@ pub struct Motion {
     pub elapsed_s: f64,
     /// The last reversal of X, Y, Z; `None` where a slide has only ever moved one way.
     pub reversals: [Option<Reversal>; 3],
+    /// The end of the present block.
+    pub corner: Corner,
 }
 
 impl Motion {
     /// A machine that has always stood still.
-    pub const REST: Self =
-        Self { velocity_mm_s: Vector3::new(0.0, 0.0, 0.0), elapsed_s: 0.0, reversals: [None; 3] };
+    pub const REST: Self = Self {
+        velocity_mm_s: Vector3::new(0.0, 0.0, 0.0),
+        elapsed_s: 0.0,
+        reversals: [None; 3],
+        corner: Corner { ahead_s: f64::INFINITY, jump_mm_s: Vector3::new(0.0, 0.0, 0.0) },
+    };
 }

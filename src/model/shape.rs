@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 
 use super::cause::Cause;
 use super::harmonics::harmonics;
-use super::{Ball, Effect, Motion, Parameter, Seat, Situation, Term};
+use super::{Ball, Corner, Effect, Motion, Parameter, Seat, Situation, Term};
 use crate::machine::{ChainErrors, Pose};
 
 impl Seat {
@@ -82,8 +82,9 @@ pub struct Shape {
 
 impl Shape {
     /// The name of the inner number among the keys of its cause.
-    pub fn inner_key(cause: &Cause) -> Option<&'static str> {
+    pub fn inner_key(cause: &Cause, seat: Seat) -> Option<&'static str> {
         Some(match cause.id {
+            "servo" if seat == Seat::Whole => "delay_ms",
             "cyclic" => "period_mm",
             "reversal-spike" => "decay_ms",
             "pre-sliding" => "distance_mm",
@@ -102,7 +103,7 @@ impl Shape {
         (effect.cause.known && bends).then(|| Self {
             cause: effect.cause,
             seat: effect.seat,
-            inner: Self::inner_key(effect.cause).map(|key| effect.get(key)),
+            inner: Self::inner_key(effect.cause, effect.seat).map(|key| effect.get(key)),
         })
     }
 
@@ -128,7 +129,12 @@ impl Shape {
         match self.cause.id {
             "cyclic" => wave(h_mm / inner, out),
             "vibration" => wave(motion.elapsed_s * inner, out),
-            "servo" if self.seat == Seat::Whole => out[0] = -motion.velocity_mm_s.dot(direction),
+            // A delay that all slides have in common is one of the log. What is not is that commanded
+            // position and velocity do not turn the corner at the same time.
+            "servo" if self.seat == Seat::Whole => {
+                let Corner { ahead_s, jump_mm_s } = motion.corner;
+                out[0] = if ahead_s < inner { -ahead_s * jump_mm_s.dot(direction) } else { 0.0 };
+            }
             "servo" => out[0] = -motion.velocity_mm_s[slide],
             "reversal-spike" => {
                 out[0] = motion.reversals[slide].map_or(0.0, |r| b * (-r.ago_s / inner).exp());
@@ -154,7 +160,7 @@ impl Shape {
                 "phase_rad" => phase_rad,
                 "order" => order,
                 "run" => 1.0,
-                name if Some(name) == Self::inner_key(self.cause) => self.inner.unwrap_or(0.0),
+                name if Some(name) == Self::inner_key(self.cause, self.seat) => self.inner.unwrap_or(0.0),
                 _ => amplitude,
             };
             Effect::new(
@@ -183,7 +189,7 @@ impl Shape {
         if self.seat != Seat::Whole {
             name = format!("{name} {}", self.seat);
         }
-        match (Self::inner_key(self.cause), self.inner) {
+        match (Self::inner_key(self.cause, self.seat), self.inner) {
             (Some(key), Some(inner)) => {
                 let si = self.cause.keys.iter().find(|k| k.name == key).map_or(1.0, |k| k.si);
                 let unit = match key.rsplit_once('_') {
@@ -200,6 +206,7 @@ impl Shape {
     /// Unit of the amplitudes.
     fn unit(&self) -> &'static str {
         match (self.cause.id, self.seat) {
+            ("servo", Seat::Whole) => "1",
             ("servo", _) => "s",
             ("growing-backlash", Seat::Function(_, component)) if component.is_angular() => {
                 "rad/mm"

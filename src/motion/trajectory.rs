@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::limits::{self, Limits};
 use super::{Profile, bell};
 use crate::machine::Machine;
+use crate::model::{Corner, Motion};
 use crate::nc::{Action, Move, Program};
 
 /// What a block of the trajectory is.
@@ -171,6 +172,17 @@ impl Trajectory {
         }
         times.sort_by(f64::total_cmp);
         times
+    }
+
+    /// The end of a block, as seen from a time in it.
+    pub fn corner(&self, time_s: f64, block: usize) -> Corner {
+        let Some(now) = self.blocks.get(block) else { return Motion::REST.corner };
+        let end_s = now.start_s + now.duration_s;
+        let after = self.blocks.get(block + 1).map_or_else(Vector3::zeros, |next| {
+            next.at(next.start_s, block + 1).velocity_mm_s
+        });
+        let jump_mm_s = after - now.at(end_s, block).velocity_mm_s;
+        Corner { ahead_s: (end_s - time_s).max(0.0), jump_mm_s }
     }
 
     /// When (s) and where (mm) one slide begins to move against its last motion, in order.

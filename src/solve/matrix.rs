@@ -9,7 +9,7 @@ use std::ops::{Index, IndexMut};
 /// A dense matrix of `f64`, stored row after row.
 ///
 /// The unit of an element is the business of whoever made it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Matrix {
     rows: usize,
     columns: usize,

@@ -45,7 +45,8 @@ pub(crate) fn displacement_mm(hidden: &[Effect], now: &Condition) -> Vector3<f64
 /// The sum over the effects that act on a slide as a whole.
 fn of_slides(hidden: &[Effect], value: impl Fn(&Effect, usize) -> f64) -> Vector3<f64> {
     Vector3::from(Axis::ALL.map(|slide| {
-        let on = hidden.iter().filter(|effect| effect.seat == Seat::Slide(slide));
+        let acts = |effect: &&Effect| matches!(effect.seat, Seat::Slide(s) if s == slide);
+        let on = hidden.iter().filter(|e| acts(e) || e.seat == Seat::Whole);
         on.map(|effect| value(effect, slide.index())).sum()
     }))
 }
