@@ -39,10 +39,10 @@ impl Place {
 
 /// Bins of a variable.
 #[derive(Debug, Clone)]
-pub(super) struct Bins {
+struct Bins {
     low: f64,
     width: f64,
-    pub(super) count: usize,
+    count: usize,
     /// Bins are even in the logarithm of the value over this, plus one; 0 for even bins.
     logarithm_over: f64,
 }
@@ -110,6 +110,8 @@ pub(super) struct Channel {
     pub(super) centers: Vec<f64>,
     blocks: Vec<Gathered>,
     ranks: Vec<usize>,
+    /// In which bin each sample of each block lies, and what it is worth there.
+    samples: Vec<Vec<(u32, f64)>>,
 }
 
 /// What an effect explains.
@@ -139,11 +141,13 @@ impl Channel {
                 centers: vec![0.0; bins.count],
                 blocks: Vec::new(),
                 ranks: data.blocks.iter().map(|block| block.rank).collect(),
+                samples: Vec::new(),
             })
             .collect();
         let mut weights = vec![vec![0.0; bins.count]; seats.len()];
         for block in &data.blocks {
             for channel in &mut channels {
+                channel.samples.push(Vec::with_capacity(block.samples.len()));
                 channel.blocks.push(Gathered {
                     squares: vec![0.0; bins.count],
                     common: Vec::new(),
@@ -152,9 +156,19 @@ impl Channel {
                 });
             }
             for (sample, row) in block.samples.iter().zip(block.q.chunks_exact(block.rank.max(1))) {
+                let at = &sample.situation;
+                let bin = variable.value(&at.pose, &at.motion).map(|value| bins.index(value));
                 for (channel, weights) in channels.iter_mut().zip(&mut weights) {
-                    let Some((worth, value)) = channel.place.of(sample) else { continue };
-                    let bin = bins.index(value);
+                    let placed = channel.place.of(sample).zip(bin);
+                    let Some(((worth, value), bin)) = placed else {
+                        if let Some(samples) = channel.samples.last_mut() {
+                            samples.push((0, 0.0));
+                        }
+                        continue;
+                    };
+                    if let Some(samples) = channel.samples.last_mut() {
+                        samples.push((bin as u32, worth));
+                    }
                     weights[bin] += worth * worth;
                     channel.centers[bin] += worth * worth * value;
                     if let Some(gathered) = channel.blocks.last_mut() {
@@ -171,31 +185,31 @@ impl Channel {
             for (center, weight) in channel.centers.iter_mut().zip(weights) {
                 *center = if *weight > 0.0 { *center / weight } else { 0.0 };
             }
-            channel.update(data, &bins);
+            channel.renew(data);
         }
         channels
     }
 
     /// Gathers anew what hangs on what has been accepted.
     pub(super) fn renew(&mut self, data: &Data) {
-        let bins = Bins::of(data, self.place.variable);
-        self.update(data, &bins);
-    }
-
-    fn update(&mut self, data: &Data, bins: &Bins) {
-        for (index, (block, gathered)) in data.blocks.iter().zip(&mut self.blocks).enumerate() {
-            gathered.common = vec![0.0; bins.count];
-            let units: Vec<(usize, &Vec<f64>)> =
-                data.span.iter().map(|unit| &unit[index]).enumerate().filter(|u| !u.1.is_empty()).collect();
-            gathered.accepted = vec![vec![0.0; bins.count]; data.span.len()];
-            for (k, sample) in block.samples.iter().enumerate() {
-                let Some((worth, value)) = self.place.of(sample) else { continue };
-                let bin = bins.index(value);
-                gathered.common[bin] += worth * data.left_mm[index][k];
-                for (j, unit) in &units {
-                    gathered.accepted[*j][bin] += worth * unit[k];
-                }
+        let count = self.centers.len();
+        for (index, gathered) in self.blocks.iter_mut().enumerate() {
+            let samples = &self.samples[index];
+            gathered.common = vec![0.0; count];
+            for ((bin, worth), left_mm) in samples.iter().zip(&data.left_mm[index]) {
+                gathered.common[*bin as usize] += worth * left_mm;
             }
+            gathered.accepted = data
+                .span
+                .iter()
+                .map(|unit| {
+                    let mut sums = vec![0.0; count];
+                    for ((bin, worth), u) in samples.iter().zip(&unit[index]) {
+                        sums[*bin as usize] += worth * u;
+                    }
+                    sums
+                })
+                .collect();
         }
     }
 

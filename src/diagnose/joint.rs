@@ -62,8 +62,8 @@ impl Fitted {
 }
 
 /// Columns with their products.
-#[derive(Default)]
-struct System {
+#[derive(Debug, Default)]
+pub(super) struct System {
     columns: Vec<Column>,
     /// `Q^T c` of each column in each block.
     along: Vec<Vec<Vec<f64>>>,
@@ -71,10 +71,44 @@ struct System {
     accepted: Vec<Vec<f64>>,
     normal: Matrix,
     common: Vec<f64>,
-    raw: Vec<f64>,
+    /// Products of the columns as they are, row after row of the lower triangle.
+    products: Vec<Vec<f64>>,
 }
 
 impl System {
+    /// The columns of an element.
+    pub(super) fn of(data: &Data, element: &Element) -> Self {
+        let mut system = Self::default();
+        system.push(data, element.columns(data));
+        system
+    }
+
+    /// The largest part of a column's square that lies outside of what is spanned.
+    pub(super) fn seen(&self) -> f64 {
+        let share = |k: usize| self.normal[(k, k)] / self.products[k][k].max(f64::MIN_POSITIVE);
+        (0..self.columns.len()).map(share).fold(0.0, f64::max)
+    }
+
+    /// What the columns explain of what is left now, mm², wherever the numbers inside are.
+    pub(super) fn gain_mm2(&self, data: &Data) -> Option<f64> {
+        let n = self.columns.len();
+        let accepted: Vec<Vec<f64>> = self
+            .columns
+            .iter()
+            .map(|column| data.span.iter().map(|unit| product(unit, column)).collect())
+            .collect();
+        let alone = Matrix::from_fn(n, n, |i, k| {
+            let pairs = self.along[i].iter().zip(&self.along[k]);
+            let spanned: f64 = pairs.map(|(a, b)| dot(a, b)).sum();
+            let both = self.products[i.max(k)][i.min(k)];
+            let ridge = if i == k { 1e-10 * both } else { 0.0 };
+            both + ridge - spanned - dot(&accepted[i], &accepted[k])
+        });
+        let common: Vec<f64> =
+            self.columns.iter().map(|column| product(column, &data.left_mm)).collect();
+        Some(dot(&Cholesky::of(&alone)?.solve(&common), &common))
+    }
+
     /// Adds columns.
     fn push(&mut self, data: &Data, columns: Vec<Column>) {
         let first = self.columns.len();
@@ -96,14 +130,16 @@ impl System {
         let n = self.columns.len();
         let mut normal = Matrix::zeros(n, n);
         for i in 0..n {
+            if i >= first {
+                let before = self.columns[..=i].iter();
+                let row = before.map(|other| product(&self.columns[i], other)).collect();
+                self.products.push(row);
+            }
             for k in 0..=i {
                 normal[(i, k)] = if i < first {
                     self.normal[(i, k)]
                 } else {
-                    let both = product(&self.columns[i], &self.columns[k]);
-                    if i == k {
-                        self.raw.push(both);
-                    }
+                    let both = self.products[i][k];
                     let pairs = self.along[i].iter().zip(&self.along[k]);
                     let spanned: f64 = pairs.map(|(a, b)| dot(a, b)).sum();
                     both - spanned - dot(&self.accepted[i], &self.accepted[k])
@@ -165,7 +201,7 @@ pub(super) fn fit(data: &Data, elements: Vec<Element>) -> Option<Fitted> {
         let settled =
             best.as_ref().is_some_and(|best| gain_mm2 - best.gain_mm2 < SETTLED * gain_mm2);
         let seen = (0..linear)
-            .map(|k| system.normal[(k, k)] / system.raw[k].max(f64::MIN_POSITIVE))
+            .map(|k| system.normal[(k, k)] / system.products[k][k].max(f64::MIN_POSITIVE))
             .fold(f64::INFINITY, f64::min);
         let mut by_element = Vec::new();
         let mut inside = Vec::new();

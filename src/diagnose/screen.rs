@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 use rayon::prelude::*;
 
 use super::channel::Channel;
-use super::data::{Data, norm2};
+use super::data::Data;
 use super::element::{Element, Form, Owner};
-use super::joint;
+use super::joint::System;
 use super::knock;
 use super::vibration;
 use crate::machine::Axis;
@@ -37,7 +37,7 @@ pub(super) struct Candidate {
 pub(super) struct Screen {
     pub(super) channels: Vec<Channel>,
     /// Causes that hang on nothing that is gathered: pass over the samples each.
-    direct: Vec<Shape>,
+    direct: Vec<(Element, System)>,
 }
 
 fn named(id: &str) -> &'static Cause {
@@ -101,17 +101,15 @@ impl Screen {
             seat: Seat::Whole,
             inner: Some(delay_s),
         }));
-        // What the model spans is never seen again.
-        let seen: Vec<bool> = direct
-            .par_iter()
-            .map(|shape| {
-                Element::shared(shape.clone()).columns(data).iter().any(|column| {
-                    norm2(&data.projected(column)) > SEEN * norm2(column)
-                })
+        let direct = direct
+            .into_par_iter()
+            .filter_map(|shape| {
+                let element = Element::shared(shape);
+                let system = System::of(data, &element);
+                // What the model spans is never seen again.
+                (system.seen() > SEEN).then_some((element, system))
             })
             .collect();
-        let mut seen = seen.into_iter();
-        direct.retain(|_| seen.next().unwrap_or(false));
         Self { channels: channels.into_iter().flatten().collect(), direct }
     }
 
@@ -127,10 +125,9 @@ impl Screen {
         let direct: Vec<Option<Candidate>> = self
             .direct
             .par_iter()
-            .map(|shape| {
-                let element = Element::shared(shape.clone());
-                let fitted = joint::fit(data, vec![element.clone()])?;
-                Some(Candidate { element, gain_mm2: fitted.gain_mm2 })
+            .map(|(element, system)| {
+                let gain_mm2 = system.gain_mm2(data)?;
+                Some(Candidate { element: element.clone(), gain_mm2 })
             })
             .collect();
         found.extend(direct.into_iter().flatten());
