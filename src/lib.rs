@@ -53,8 +53,8 @@
 pub mod align;
 pub mod cli;
 pub mod design;
-pub mod error;
 pub mod diagnose;
+pub mod error;
 pub mod identify;
 mod input;
 pub mod log;

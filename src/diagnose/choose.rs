@@ -115,15 +115,7 @@ impl Search<'_> {
     /// The largest effect first.
     fn by_size(&mut self, fitted: Fitted) -> (Fitted, Vec<usize>) {
         let sizes: Vec<f64> = (0..fitted.elements.len())
-            .map(|k| {
-                let first = fitted.first_index(k);
-                let own = &fitted.columns[first..first + fitted.amplitudes[k].len()];
-                let mut part = fitted.clone();
-                part.elements = vec![fitted.elements[k].clone()];
-                part.columns = own.to_vec();
-                part.amplitudes = vec![fitted.amplitudes[k].clone()];
-                super::data::norm2(&part.effect(self.data))
-            })
+            .map(|k| super::data::norm2(&fitted.part(k).effect(self.data)))
             .collect();
         let mut order: Vec<usize> = (0..sizes.len()).collect();
         order.sort_by(|a, b| sizes[*b].total_cmp(&sizes[*a]));
@@ -164,10 +156,9 @@ impl Search<'_> {
             let of_a_curve = OF_A_CURVE * curve.as_ref().map_or(0.0, |curve| curve.score_mm2);
             let next = match (best, curve) {
                 (Some(best), _) if best.score_mm2 >= of_a_curve => best.fitted.elements,
-                (_, Some(curve)) => vec![Element {
-                    form: Form::Empirical(curve.empirical),
-                    owner: Owner::All,
-                }],
+                (_, Some(curve)) => {
+                    vec![Element { form: Form::Empirical(curve.empirical), owner: Owner::All }]
+                }
                 _ => break,
             };
             let before = chosen.iter().flat_map(|fitted| fitted.elements.clone());
@@ -256,7 +247,8 @@ impl Search<'_> {
                 Told::Apart => less_mm2 < 0.0,
             };
             // Of what hardly differs, the one that is named first, and never back again.
-            if preferred && better.as_ref().is_none_or(|(b, _)| simpler(rival, b) == Ordering::Less) {
+            if preferred && better.as_ref().is_none_or(|(b, _)| simpler(rival, b) == Ordering::Less)
+            {
                 better = Some((rival.clone(), other.fitted.gain_mm2));
             }
             let share = other.fitted.gain_mm2 / own.gain_mm2;

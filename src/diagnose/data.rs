@@ -19,6 +19,8 @@ pub(super) struct Block {
     pub(super) samples: Vec<LinearSample>,
     /// What is left of each, mm, times the root of its weight; not yet without the accepted effects.
     pub(super) residual_mm: Vec<f64>,
+    /// Program time of each, s.
+    pub(super) program_s: Vec<f64>,
     /// Number of the arc of each, counted over all blocks: what is left out together.
     pub(super) arcs: Vec<usize>,
     /// What the fit spans, row after row; see [`crate::identify::Linearised`].
@@ -29,6 +31,10 @@ pub(super) struct Block {
     pub(super) factor: Matrix,
     /// Where each run begins and ends in the samples.
     pub(super) runs: Vec<std::ops::Range<usize>>,
+    /// Name of each run.
+    pub(super) names: Vec<String>,
+    /// What each run drove: runs with the same number drove the same program in the same mounting.
+    pub(super) programs: Vec<usize>,
 }
 
 /// A column over all blocks; empty in the blocks where it is zero.
@@ -55,7 +61,8 @@ impl Data {
             .map(|repeat| repeat.linearised(&campaign.model(test, machine)?, &options, MOST))
             .collect::<Result<Vec<_>>>()?;
         let mut arcs = 0_usize;
-        let mut blocks = Vec::new();
+        let mut blocks: Vec<Block> = Vec::new();
+        let mut programs: Vec<(usize, f64, usize)> = Vec::new();
         for (repeat, linear) in campaign.repeats.iter().zip(linear) {
             let mut of_arc = Vec::with_capacity(linear.samples.len());
             let mut last = None;
@@ -74,8 +81,29 @@ impl Data {
                     first..linear.samples.partition_point(|s| s.run <= run)
                 })
                 .collect();
+            let of_runs = repeat.runs.iter().map(|run| {
+                let trajectory = &run.alignment.trajectory;
+                let this = (run.mounting, trajectory.end_s(), trajectory.blocks().len());
+                let same = |other: &(usize, f64, usize)| {
+                    other.0 == this.0
+                        && (other.1 - this.1).abs() < 1e-6 * this.1
+                        && other.2 == this.2
+                };
+                programs.iter().position(same).unwrap_or_else(|| {
+                    programs.push(this);
+                    programs.len() - 1
+                })
+            });
+            let of_runs = of_runs.collect();
             blocks.push(Block {
+                names: repeat.runs.iter().map(|run| run.name.clone()).collect(),
+                programs: of_runs,
                 residual_mm: linear.samples.iter().map(|s| s.residual_mm * s.root_weight).collect(),
+                program_s: linear
+                    .samples
+                    .iter()
+                    .map(|s| repeat.runs[s.run].alignment.samples[s.sample].program_s)
+                    .collect(),
                 arcs: of_arc,
                 q: linear.q,
                 rank: linear.rank,

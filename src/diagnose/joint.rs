@@ -47,6 +47,18 @@ impl Fitted {
         data.projected(&sum)
     }
 
+    /// One of the elements alone, as it was fitted with the others.
+    pub(super) fn part(&self, element: usize) -> Self {
+        let first = self.first_index(element);
+        let own = &self.columns[first..first + self.amplitudes[element].len()];
+        Self {
+            elements: vec![self.elements[element].clone()],
+            amplitudes: vec![self.amplitudes[element].clone()],
+            columns: own.to_vec(),
+            ..self.clone()
+        }
+    }
+
     /// Where the number inside of an element stands in `inverse`.
     pub(super) fn inner_index(&self, element: usize) -> Option<usize> {
         self.elements[element].free()?;
@@ -153,7 +165,12 @@ impl System {
     fn part(&self, keep: usize) -> (Matrix, &[f64]) {
         let normal = Matrix::from_fn(keep, keep, |i, k| {
             // Next to nothing on the diagonal, so that effects that hardly differ do not end the fit.
-            self.normal[(i, k)] * if i == k { 1.0 + 1e-10 } else { 1.0 }
+            match self.normal[(i, k)] {
+                // What nothing tells, such as the phase of a run that takes no part, stays zero.
+                0.0 if i == k => 1.0,
+                value if i == k => value * (1.0 + 1e-10),
+                value => value,
+            }
         });
         (normal, &self.common[..keep])
     }
@@ -168,11 +185,20 @@ fn product(a: &Column, b: &Column) -> f64 {
 ///
 /// `None` where the effects cannot be told from what is spanned, or from each other.
 pub(super) fn fit(data: &Data, elements: Vec<Element>) -> Option<Fitted> {
+    fit_to(data, elements, &vec![true; data.blocks.len()])
+}
+
+/// The same with some of the repeats alone.
+pub(super) fn fit_to(data: &Data, elements: Vec<Element>, repeats: &[bool]) -> Option<Fitted> {
     let mut elements = elements;
     let mut best: Option<Fitted> = None;
     let mut shorter = 1.0;
     for _ in 0..MOST_STEPS {
-        let of_elements: Vec<Vec<Column>> = elements.iter().map(|e| e.columns(data)).collect();
+        let mut of_elements: Vec<Vec<Column>> = elements.iter().map(|e| e.columns(data)).collect();
+        for column in of_elements.iter_mut().flatten() {
+            let out = column.iter_mut().zip(repeats).filter(|(_, takes_part)| !**takes_part);
+            out.for_each(|(block, _)| block.clear());
+        }
         let counts: Vec<usize> = of_elements.iter().map(Vec::len).collect();
         let mut system = System::default();
         system.push(data, of_elements.into_iter().flatten().collect());
@@ -252,7 +278,7 @@ fn derivative(data: &Data, element: &Element, amplitudes: &[f64], columns: &[Col
     let mut sum: Column = vec![Vec::new(); data.blocks.len()];
     for ((amplitude, after), before) in amplitudes.iter().zip(&beside).zip(columns) {
         for (sum, (after, before)) in sum.iter_mut().zip(after.iter().zip(before)) {
-            if after.is_empty() {
+            if before.is_empty() {
                 continue;
             }
             sum.resize(after.len(), 0.0);

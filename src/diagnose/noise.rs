@@ -11,6 +11,8 @@ const CORRELATED_S: f64 = 2.0;
 pub(super) struct Noise {
     /// Variance of one sample, mm².
     pub(super) variance_mm2: f64,
+    /// Half the mean square of the difference of neighbouring samples, mm².
+    pub(super) neighbours_mm2: f64,
     /// Variance of a mean of many neighbouring samples times their number, mm²: what an effect of one
     /// amplitude gains by chance. Effects that are still in the residual make it too large, not too small.
     pub(super) long_run_mm2: f64,
@@ -20,10 +22,12 @@ impl Noise {
     /// Of what is left in the data.
     pub(super) fn of(data: &Data) -> Self {
         let (mut variance, mut long_run, mut count) = (0.0, 0.0, 0.0_f64);
+        let mut neighbours = 0.0;
         for (block, left) in data.blocks.iter().zip(&data.left_mm) {
             for run in &block.runs {
                 let times = |k: usize| block.samples[k].situation.motion.elapsed_s;
-                let length_s = if run.is_empty() { 0.0 } else { times(run.end - 1) - times(run.start) };
+                let length_s =
+                    if run.is_empty() { 0.0 } else { times(run.end - 1) - times(run.start) };
                 let period_s = (length_s / run.len().max(1) as f64).max(1e-6);
                 let lags = ((CORRELATED_S / period_s).ceil() as usize).clamp(1, 200);
                 let mut sums = Autocovariances::new(lags);
@@ -42,10 +46,15 @@ impl Noise {
                 let samples = run.len() as f64;
                 variance += samples * own;
                 long_run += samples * (own + 2.0 * others).max(*own);
+                neighbours += samples * (own - covariances.get(1).unwrap_or(&0.0));
                 count += samples;
             }
         }
         let count = count.max(1.0);
-        Self { variance_mm2: variance / count, long_run_mm2: long_run / count }
+        Self {
+            variance_mm2: variance / count,
+            neighbours_mm2: neighbours / count,
+            long_run_mm2: long_run / count,
+        }
     }
 }

@@ -56,8 +56,10 @@ impl Screen {
     pub(super) fn new(data: &Data, terms: &[String]) -> Self {
         let mut plan: Vec<(Variable, bool, Vec<Seat>)> = Vec::new();
         for axis in Axis::ALL {
-            let functions: Vec<Seat> =
-                Component::ALL.into_iter().map(|component| Seat::Function(axis, component)).collect();
+            let functions: Vec<Seat> = Component::ALL
+                .into_iter()
+                .map(|component| Seat::Function(axis, component))
+                .collect();
             let slide = vec![Seat::Slide(axis)];
             plan.push((Variable::Position(axis), false, functions.clone()));
             plan.push((Variable::Position(axis), true, functions.clone()));
@@ -75,10 +77,16 @@ impl Screen {
             .zip(Axis::ALL)
             .map(|(component, slide)| Coefficient { slide, component, power: Power::P1 })
             .map(Seat::Coefficient);
-        plan.push((Variable::Elapsed, false, balls.into_iter().chain(scales).chain([Seat::Bar]).collect()));
+        plan.push((
+            Variable::Elapsed,
+            false,
+            balls.into_iter().chain(scales).chain([Seat::Bar]).collect(),
+        ));
         let channels: Vec<Vec<Channel>> = plan
             .par_iter()
-            .map(|(variable, with_sense, seats)| Channel::gather(data, *variable, *with_sense, seats))
+            .map(|(variable, with_sense, seats)| {
+                Channel::gather(data, *variable, *with_sense, seats)
+            })
             .collect();
         let mut direct: Vec<Shape> = (3..=6)
             .map(|degree| Shape {
@@ -195,9 +203,10 @@ fn of_channel(channel: &Channel) -> Vec<Candidate> {
 
 /// The periods of an error function that explain most.
 fn cyclic(channel: &Channel) -> Vec<Candidate> {
-    let (low, high) = channel.centers.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
-        (l.min(*v), h.max(*v))
-    });
+    let (low, high) = channel
+        .centers
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
     let way_mm = high - low;
     if way_mm < 4.0 * SHORTEST_MM {
         return Vec::new();
@@ -212,7 +221,8 @@ fn cyclic(channel: &Channel) -> Vec<Candidate> {
     };
     // Rotated from one wave number to the next.
     let [mut sine, mut cosine] = waves(0.8 / way_mm);
-    let turn: Vec<(f64, f64)> = channel.centers.iter().map(|v| (TAU * v * step).sin_cos()).collect();
+    let turn: Vec<(f64, f64)> =
+        channel.centers.iter().map(|v| (TAU * v * step).sin_cos()).collect();
     let gains: Vec<f64> = (0..count)
         .map(|k| {
             let number = 0.8 / way_mm + k as f64 * step;

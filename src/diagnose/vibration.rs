@@ -77,7 +77,8 @@ fn spectra(data: &Data, seat: Seat, planner: &mut FftPlanner<f64>) -> Vec<Spectr
     for (block, left_mm) in data.blocks.iter().zip(&data.left_mm) {
         for run in &block.runs {
             let samples = &block.samples[run.clone()];
-            let Some(period_s) = period_s(samples.iter().map(|s| s.situation.motion.elapsed_s)) else {
+            let Some(period_s) = period_s(samples.iter().map(|s| s.situation.motion.elapsed_s))
+            else {
                 continue;
             };
             let first_s = samples[0].situation.motion.elapsed_s;

@@ -43,7 +43,13 @@ impl Seat {
     }
 
     /// Displaces this in the exact chain by an amount in mm or rad; the length of the bar is none of it.
-    pub(super) fn displace(self, amount: f64, pose: &Pose, motion: &Motion, errors: &mut ChainErrors) {
+    pub(super) fn displace(
+        self,
+        amount: f64,
+        pose: &Pose,
+        motion: &Motion,
+        errors: &mut ChainErrors,
+    ) {
         match self {
             Self::Function(slide, component) => {
                 let slide = &mut errors.slides[slide.index()];
@@ -160,7 +166,9 @@ impl Shape {
                 "phase_rad" => phase_rad,
                 "order" => order,
                 "run" => 1.0,
-                name if Some(name) == Self::inner_key(self.cause, self.seat) => self.inner.unwrap_or(0.0),
+                name if Some(name) == Self::inner_key(self.cause, self.seat) => {
+                    self.inner.unwrap_or(0.0)
+                }
                 _ => amplitude,
             };
             Effect::new(

@@ -178,9 +178,10 @@ impl Trajectory {
     pub fn corner(&self, time_s: f64, block: usize) -> Corner {
         let Some(now) = self.blocks.get(block) else { return Motion::REST.corner };
         let end_s = now.start_s + now.duration_s;
-        let after = self.blocks.get(block + 1).map_or_else(Vector3::zeros, |next| {
-            next.at(next.start_s, block + 1).velocity_mm_s
-        });
+        let after = self
+            .blocks
+            .get(block + 1)
+            .map_or_else(Vector3::zeros, |next| next.at(next.start_s, block + 1).velocity_mm_s);
         let jump_mm_s = after - now.at(end_s, block).velocity_mm_s;
         Corner { ahead_s: (end_s - time_s).max(0.0), jump_mm_s }
     }
