@@ -15,6 +15,7 @@ mod choose;
 mod curves;
 mod data;
 mod element;
+mod extend;
 mod floor;
 mod gain;
 mod joint;
@@ -27,7 +28,7 @@ mod screen;
 mod vibration;
 
 pub use choose::{Rival, Told};
-pub use element::{Element, Form, Owner};
+pub use element::{Element, Owner};
 pub use floor::Structure;
 pub use result::{Diagnosis, Finding, Moved, Number, ProgramGain, RunGain, Verdict};
 
@@ -47,23 +48,36 @@ use screen::Screen;
 pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<Diagnosis> {
     let mut data = Data::new(test, machine, campaign)?;
     let mut screen = Screen::new(&data, &campaign.terms);
-    let chosen = Search { data: &mut data, screen: &mut screen }.run();
+    let chosen = Search { data: &mut data, screen: &mut screen, first: Vec::new() }.run();
+    let before = data.blocks.iter().map(|b| b.residual_mm.clone()).collect::<Vec<_>>();
+    let structure_before = floor::structure(&data, &before, |_, _| true);
+    let extended = match chosen {
+        Some(chosen) => extend::extend(test, machine, campaign, chosen)?,
+        None => None,
+    };
+    let (chosen, extended) = match extended {
+        Some(extended) => {
+            data = extended.data;
+            data.accept(&extended.chosen.fitted.columns);
+            (Some(extended.chosen), Some(extended.campaign))
+        }
+        None => (None, None),
+    };
     let noise = Noise::of(&data);
     let samples = data.samples();
     let mean = |columns: &[Vec<f64>]| {
         (columns.iter().map(|c| dot(c, c)).sum::<f64>() / samples.max(1) as f64).sqrt()
     };
-    let before: Vec<Vec<f64>> = data.blocks.iter().map(|b| b.residual_mm.clone()).collect();
-    let fitted = chosen.as_ref().map(|chosen| &chosen.fitted);
     let left = data.left_mm.clone();
     // From here on, effects are fitted beside the model alone.
     data.accept(&[]);
+    let fitted = chosen.as_ref().map(|chosen| &chosen.fitted);
     let (runs, arcs) = gain::by_run(&data, &left, fitted);
     let explained = fitted.and_then(|_| gain::explained(&arcs));
     let verdict = Verdict {
         before_mm: mean(&before),
         after_mm: mean(&left),
-        structure_before: floor::structure(&data, &before, |_, _| true),
+        structure_before,
         structure_after: floor::structure(&data, &left, |_, _| true),
         neighbours_mm: noise.neighbours_mm2.sqrt(),
         effective_samples: samples as f64 * noise.variance_mm2 / noise.long_run_mm2,
@@ -72,8 +86,12 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         smallest_mm: (choose::threshold_mm2(&data, &noise) / samples.max(1) as f64).sqrt(),
     };
     let programs = fitted.map_or_else(Vec::new, |fitted| gain::by_program(&data, fitted));
-    let moved = fitted
-        .map_or_else(Vec::new, |fitted| moved::moved(&data, campaign, fitted, noise.long_run_mm2));
+    let moved = match (fitted, &extended) {
+        (Some(fitted), Some(extended)) => {
+            moved::moved(&data, campaign, extended, fitted, noise.long_run_mm2)
+        }
+        _ => Vec::new(),
+    };
     let findings = chosen.map_or_else(Vec::new, |chosen| {
         let each = chosen.fitted.elements.iter().enumerate().zip(chosen.rivals);
         each.map(|((k, element), rivals)| {
@@ -98,5 +116,6 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         unseen: Vec::new(),
         left_out: campaign.left_out.iter().map(|(run, e)| (run.clone(), e.what.clone())).collect(),
         samples,
+        extended,
     })
 }

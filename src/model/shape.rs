@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::Vector3;
 
-use super::cause::Cause;
+use super::cause::{Cause, Kind};
 use super::harmonics::harmonics;
 use super::{Ball, Corner, Effect, Motion, Parameter, Seat, Situation, Term};
 use crate::machine::{ChainErrors, Pose};
@@ -89,23 +89,26 @@ pub struct Shape {
 impl Shape {
     /// The name of the inner number among the keys of its cause.
     pub fn inner_key(cause: &Cause, seat: Seat) -> Option<&'static str> {
-        Some(match cause.id {
-            "servo" if seat == Seat::Whole => "delay_ms",
-            "cyclic" => "period_mm",
-            "reversal-spike" => "decay_ms",
-            "pre-sliding" => "distance_mm",
-            "drift" => "time_constant_s",
-            "knock" => "moment_s",
-            "roundness" | "degree" => "degree",
-            "vibration" => "frequency_hz",
-            "stick-slip" => "speed_mm_min",
+        Some(match cause.kind {
+            Kind::Servo if seat == Seat::Whole => "delay_ms",
+            Kind::Cyclic => "period_mm",
+            Kind::ReversalSpike => "decay_ms",
+            Kind::PreSliding => "distance_mm",
+            Kind::Drift => "time_constant_s",
+            Kind::Knock => "moment_s",
+            Kind::Roundness | Kind::Degree => "degree",
+            Kind::Vibration => "frequency_hz",
+            Kind::StickSlip => "speed_mm_min",
             _ => return None,
         })
     }
 
     /// The shape of an effect; `None` for a cause that has no column of its own.
     pub fn of(effect: &Effect) -> Option<Self> {
-        let bends = !matches!(effect.cause.id, "feed-override" | "clock" | "ball-place" | "pivot");
+        let bends = !matches!(
+            effect.cause.kind,
+            Kind::FeedOverride | Kind::Clock | Kind::BallPlace | Kind::Pivot
+        );
         (effect.cause.known && bends).then(|| Self {
             cause: effect.cause,
             seat: effect.seat,
@@ -115,10 +118,10 @@ impl Shape {
 
     /// How many amplitudes it has.
     pub fn amplitudes(&self) -> usize {
-        match self.cause.id {
+        match self.cause.kind {
             // Sine and cosine.
-            "cyclic" | "vibration" => 2,
-            "roundness" => 2 * self.inner.unwrap_or(0.0) as usize + 1,
+            Kind::Cyclic | Kind::Vibration => 2,
+            Kind::Roundness => 2 * self.inner.unwrap_or(0.0) as usize + 1,
             _ => 1,
         }
     }
@@ -132,29 +135,29 @@ impl Shape {
         };
         let (h_mm, b) = (pose.position_mm[slide], pose.sense[slide]);
         let wave = |turns: f64, out: &mut [f64]| (out[0], out[1]) = (turns * TAU).sin_cos();
-        match self.cause.id {
-            "cyclic" => wave(h_mm / inner, out),
-            "vibration" => wave(motion.elapsed_s * inner, out),
+        match self.cause.kind {
+            Kind::Cyclic => wave(h_mm / inner, out),
+            Kind::Vibration => wave(motion.elapsed_s * inner, out),
             // A delay that all slides have in common is one of the log. What is not is that commanded
             // position and velocity do not turn the corner at the same time.
-            "servo" if self.seat == Seat::Whole => {
+            Kind::Servo if self.seat == Seat::Whole => {
                 let Corner { ahead_s, jump_mm_s } = motion.corner;
                 out[0] = if ahead_s < inner { -ahead_s * jump_mm_s.dot(direction) } else { 0.0 };
             }
-            "servo" => out[0] = -motion.velocity_mm_s[slide],
-            "reversal-spike" => {
+            Kind::Servo => out[0] = -motion.velocity_mm_s[slide],
+            Kind::ReversalSpike => {
                 out[0] = motion.reversals[slide].map_or(0.0, |r| b * (-r.ago_s / inner).exp());
             }
-            "growing-backlash" => out[0] = b * h_mm,
-            "pre-sliding" => {
+            Kind::GrowingBacklash => out[0] = b * h_mm,
+            Kind::PreSliding => {
                 let left = motion.reversals[slide].map_or(0.0, |r| (-r.ago_mm / inner).exp());
                 out[0] = b * (1.0 - 2.0 * left);
             }
-            "drift" => out[0] = -(-motion.elapsed_s.max(0.0) / inner).exp_m1(),
-            "knock" => out[0] = if motion.elapsed_s > inner { 1.0 } else { 0.0 },
-            "roundness" => harmonics(inner as usize, direction, out),
-            "degree" => out[0] = (h_mm / 100.0).powi(inner as i32),
-            "stick-slip" => out[0] = -b * (-motion.velocity_mm_s[slide].abs() / inner).exp(),
+            Kind::Drift => out[0] = -(-motion.elapsed_s.max(0.0) / inner).exp_m1(),
+            Kind::Knock => out[0] = if motion.elapsed_s > inner { 1.0 } else { 0.0 },
+            Kind::Roundness => harmonics(inner as usize, direction, out),
+            Kind::Degree => out[0] = (h_mm / 100.0).powi(inner as i32),
+            Kind::StickSlip => out[0] = -b * (-motion.velocity_mm_s[slide].abs() / inner).exp(),
             _ => out[0] = 1.0,
         }
     }
@@ -177,12 +180,12 @@ impl Shape {
                 self.cause.keys.iter().map(|k| number(k.name)).collect(),
             )
         };
-        match self.cause.id {
-            "cyclic" | "vibration" => {
+        match self.cause.kind {
+            Kind::Cyclic | Kind::Vibration => {
                 let (sine, cosine) = (amplitudes[0], amplitudes[1]);
                 vec![numbers(sine.hypot(cosine), cosine.atan2(sine), 0.0)]
             }
-            "roundness" => {
+            Kind::Roundness => {
                 let degree = amplitudes.len() as f64 / 2.0 - 0.5;
                 let each = amplitudes.iter().enumerate();
                 each.map(|(k, amplitude)| numbers(*amplitude, 0.0, k as f64 - degree)).collect()
@@ -213,13 +216,13 @@ impl Shape {
 
     /// Unit of the amplitudes.
     fn unit(&self) -> &'static str {
-        match (self.cause.id, self.seat) {
-            ("servo", Seat::Whole) => "1",
-            ("servo", _) => "s",
-            ("growing-backlash", Seat::Function(_, component)) if component.is_angular() => {
+        match (self.cause.kind, self.seat) {
+            (Kind::Servo, Seat::Whole) => "1",
+            (Kind::Servo, _) => "s",
+            (Kind::GrowingBacklash, Seat::Function(_, component)) if component.is_angular() => {
                 "rad/mm"
             }
-            ("growing-backlash", _) => "mm/mm",
+            (Kind::GrowingBacklash, _) => "mm/mm",
             (_, Seat::Coefficient(of)) => of.unit(),
             (_, Seat::Function(_, component)) if component.is_angular() => "rad",
             _ => "mm",
@@ -237,8 +240,8 @@ impl Term for Shape {
     fn parameters(&self) -> Vec<Parameter> {
         let name = self.name();
         let of = |part: String| Parameter { name: format!("{name}{part}"), unit: self.unit() };
-        match (self.cause.id, self.amplitudes()) {
-            ("cyclic" | "vibration", _) => vec![of(" sin".into()), of(" cos".into())],
+        match (self.cause.kind, self.amplitudes()) {
+            (Kind::Cyclic | Kind::Vibration, _) => vec![of(" sin".into()), of(" cos".into())],
             (_, 1) => vec![of(String::new())],
             (_, count) => (0..count)
                 .map(|k| of(format!(" order {}", k as i64 - (count as i64 - 1) / 2)))
@@ -282,6 +285,7 @@ impl Term for Shape {
         values: &[f64],
         at: &Pose,
         motion: &Motion,
+        _mounting: usize,
         direction: &Vector3<f64>,
     ) -> f64 {
         if !matches!(self.seat, Seat::Bar | Seat::Whole) {

@@ -152,6 +152,7 @@ impl Term for Empirical {
         values: &[f64],
         at: &Pose,
         motion: &Motion,
+        _mounting: usize,
         _direction: &Vector3<f64>,
     ) -> f64 {
         if !matches!(self.seat, Seat::Bar | Seat::Whole) {
