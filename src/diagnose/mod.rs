@@ -20,6 +20,7 @@ mod floor;
 mod gain;
 mod joint;
 mod knock;
+mod model_file;
 mod moved;
 mod noise;
 mod numbers;

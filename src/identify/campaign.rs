@@ -9,7 +9,7 @@ use crate::align;
 use crate::error::{Error, Result};
 use crate::log;
 use crate::machine::{Machine, Mounting};
-use crate::model::{self, Held, Model};
+use crate::model::{self, Form, Held, Model};
 use crate::nc;
 use crate::plan::{Run, Test};
 
@@ -100,7 +100,6 @@ impl Campaign {
         failure: Failure,
         finished: &(dyn Fn() + Sync),
     ) -> Result<Self> {
-        let names: Vec<String> = test.mountings().iter().map(|m| m.name.clone()).collect();
         let options = Options::of(test);
         let mut terms = test.estimation().terms.clone();
         if let Some(first) = aligned.first_mut() {
@@ -109,15 +108,15 @@ impl Campaign {
             let runs = std::mem::take(first);
             (terms, *first) = explicit_terms(&terms, machine, &mountings, runs, &options)?;
         }
+        let empty = Self { terms, repeats: Vec::new(), held: Vec::new(), left_out: Vec::new() };
         let results: Vec<(String, Result<Identification>)> = aligned
             .into_par_iter()
             .map(|inputs| {
                 let of: Vec<&str> = inputs.iter().map(|run| run.name.as_str()).collect();
                 let of = of.join(", ");
-                let mountings = test.mountings().iter().map(|m| m.mounting).collect();
-                let identified = model::terms(&terms, &names).and_then(|terms| {
-                    identify(&Model::new(machine, mountings, terms), inputs, &options)
-                });
+                let identified = empty
+                    .model_with(test, machine, &[])
+                    .and_then(|model| identify(&model, inputs, &options));
                 finished();
                 (of, identified)
             })
@@ -133,7 +132,12 @@ impl Campaign {
         match left_out.first() {
             // Nothing is left: the first reason is as good as any.
             Some((_, error)) if repeats.is_empty() => Err(error.clone()),
-            _ => Ok(Self { terms, held: vec![Vec::new(); repeats.len()], repeats, left_out }),
+            _ => Ok(Self {
+                terms: empty.terms,
+                held: vec![Vec::new(); repeats.len()],
+                repeats,
+                left_out,
+            }),
         }
     }
 
@@ -142,7 +146,7 @@ impl Campaign {
         self.model_with(test, machine, self.held.get(repeat).map_or(&[], Vec::as_slice))
     }
 
-    /// The terms of the campaign with effects held beside them.
+    /// The terms of the campaign with the test's curves and effects held beside them.
     pub fn model_with<'a>(
         &self,
         test: &Test,
@@ -152,8 +156,12 @@ impl Campaign {
         let names: Vec<String> = test.mountings().iter().map(|m| m.name.clone()).collect();
         let mountings = test.mountings().iter().map(|m| m.mounting).collect();
         let mut terms = model::terms(&self.terms, &names)?;
-        for held in held {
-            terms.push(Box::new(held.clone()));
+        let curves = test.estimation().curves.iter().map(|(curve, values)| Held {
+            form: Form::Empirical(curve.clone()),
+            amplitudes: vec![values.clone(); test.mountings().len()],
+        });
+        for held in curves.chain(held.iter().cloned()) {
+            terms.push(Box::new(held));
         }
         Ok(Model::new(machine, mountings, terms))
     }

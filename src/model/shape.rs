@@ -11,6 +11,7 @@ use nalgebra::Vector3;
 use super::cause::{Cause, Kind};
 use super::harmonics::harmonics;
 use super::{Ball, Corner, Effect, Motion, Parameter, Seat, Situation, Term};
+use crate::error::{Error, Result};
 use crate::machine::{ChainErrors, Pose};
 
 impl Seat {
@@ -114,6 +115,45 @@ impl Shape {
             seat: effect.seat,
             inner: Self::inner_key(effect.cause, effect.seat).map(|key| effect.get(key)),
         })
+    }
+
+    /// Reads `CAUSE:on=SEAT,inner=number`: an effect without its amplitude, as the name of a term.
+    ///
+    /// # Errors
+    /// As [`Effect::parse`]; a cause that no column stands for.
+    pub fn parse(text: &str) -> Result<Self> {
+        let (id, rest) = text.split_once(':').unwrap_or((text, ""));
+        let given = |name: &str| {
+            rest.split(',').any(|pair| pair.split('=').next().is_some_and(|key| key.trim() == name))
+        };
+        let mut whole = text.to_owned();
+        if let Some(cause) = Cause::named(id) {
+            let on = rest.split(',').find_map(|pair| pair.trim().strip_prefix("on="));
+            let seat = on.and_then(Seat::parse).unwrap_or(Seat::Whole);
+            let inner = Self::inner_key(cause, seat);
+            for key in cause.keys.iter().filter(|key| Some(key.name) != inner) {
+                let name = key.written(seat).0;
+                if !given(&name) {
+                    whole.push_str(&format!(",{name}={}", key.default.unwrap_or(1.0)));
+                }
+            }
+        }
+        let effect = Effect::parse(&whole)?;
+        Self::of(&effect).ok_or_else(|| {
+            Error::input(format!("`{id}` is no term: it is not one column of the model"))
+                .hint("terms are causes that act on a seat, such as `cyclic:on=EXX,period_mm=10`")
+        })
+    }
+
+    /// The name as a term: what [`parse`](Self::parse) reads.
+    pub fn term_name(&self) -> String {
+        let on = (self.seat != Seat::Whole).then(|| format!("on={}", self.seat));
+        let inner = Self::inner_key(self.cause, self.seat).zip(self.inner).map(|(key, inner)| {
+            let si = self.cause.keys.iter().find(|k| k.name == key).map_or(1.0, |k| k.si);
+            format!("{key}={}", (inner / si * 1e9).round() / 1e9)
+        });
+        let parts: Vec<String> = on.into_iter().chain(inner).collect();
+        format!("{}:{}", self.cause.id, parts.join(","))
     }
 
     /// How many amplitudes it has.
