@@ -6,6 +6,7 @@
 
 mod align;
 mod analyse;
+mod blind;
 mod check;
 mod demo;
 mod design;
@@ -82,6 +83,7 @@ enum Command {
     Identify(identify::Arguments),
     Analyse(analyse::Arguments),
     Design(design::Arguments),
+    Blind(blind::Arguments),
     Demo(demo::Arguments),
     Machines(machines::Arguments),
     Paper(paper::Arguments),
@@ -104,6 +106,7 @@ pub fn main() -> ExitCode {
         Command::Identify(arguments) => arguments.run(common, &talk),
         Command::Analyse(arguments) => arguments.run(common, &talk),
         Command::Design(arguments) => arguments.run(common, &talk),
+        Command::Blind(arguments) => arguments.run(common, &talk),
         Command::Demo(arguments) => arguments.run(common, &talk),
         Command::Machines(arguments) => arguments.run(common, &talk),
         Command::Paper(arguments) => arguments.run(common, &talk),
