@@ -15,6 +15,7 @@ mod choose;
 mod curves;
 mod data;
 mod element;
+mod feature;
 mod floor;
 mod gain;
 mod joint;
@@ -28,6 +29,7 @@ mod vibration;
 
 pub use choose::{Rival, Told};
 pub use element::{Element, Form, Owner};
+pub use feature::Feature;
 pub use floor::Structure;
 pub use result::{Diagnosis, Finding, Moved, Number, ProgramGain, RunGain, Verdict};
 

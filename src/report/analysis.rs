@@ -4,6 +4,7 @@
 
 use serde::Serialize;
 
+use super::diagnosis::DiagnosisFacts;
 use super::machine_errors::MachineErrors;
 use crate::error::{Error, Kind, Result};
 
@@ -34,6 +35,8 @@ pub struct Analysis {
     pub over_repeats: Vec<MeanResult>,
     /// Squareness, scale and reversal errors in people's units.
     pub machine_errors: MachineErrors,
+    /// What the model gets wrong; `None` where nobody looked.
+    pub diagnosis: Option<DiagnosisFacts>,
     /// What a reader should know before he believes the numbers.
     pub cautions: Vec<String>,
     /// Facts that the caller adds, such as how the alignment was chosen.

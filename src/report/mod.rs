@@ -10,6 +10,7 @@
 mod analysis;
 mod arc_table;
 mod cautions;
+mod diagnosis;
 mod figures;
 #[cfg(test)]
 mod fixture;
@@ -36,6 +37,10 @@ pub use analysis::{
     Analysis, ArcResult, BallBarFacts, Correlation, FeedOverride, MachineFacts, MarkResult,
     MeanResult, MountingFacts, NoiseResult, ParameterResult, PauseResult, Pivots, RejectedSample,
     RepeatResult, RunResult, SampleCounts, TestFacts,
+};
+pub use diagnosis::{
+    DiagnosisFacts, FeatureFacts, FindingFacts, LeftOutFacts, MovedFacts, NumberFacts,
+    ProgramGainFacts, RivalFacts, RunGainFacts, StructureFacts, diagnosis_text,
 };
 pub use machine_errors::{Hysteresis, MachineErrors, Reversal, Scale, Squareness};
 pub use outlook::{

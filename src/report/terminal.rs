@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::analysis::{Analysis, MeanResult, RunResult};
 use super::cautions::DETERMINED;
+use super::diagnosis;
 use super::numbers::{fixed, many, signed};
 use super::text::{paragraph, table};
 use super::units::{engineering, row_decimals};
@@ -46,6 +47,10 @@ pub fn summary(analysis: &Analysis) -> String {
         for remark in &analysis.remarks {
             paragraph(&mut text, "  - ", remark);
         }
+    }
+    if let Some(diagnosis) = &analysis.diagnosis {
+        text.push_str("\nWhat the model gets wrong\n");
+        text.push_str(&diagnosis::in_short(diagnosis));
     }
     text
 }
