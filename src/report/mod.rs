@@ -39,8 +39,9 @@ pub use analysis::{
     RepeatResult, RunResult, SampleCounts, TestFacts,
 };
 pub use diagnosis::{
-    DiagnosisFacts, FeatureFacts, FindingFacts, LeftOutFacts, MovedFacts, NumberFacts,
-    ProgramGainFacts, RivalFacts, RunGainFacts, StructureFacts, diagnosis_text,
+    ArcFacts, BinFacts, DiagnosisFacts, FeatureFacts, FindingFacts, LeftOutFacts, MovedFacts,
+    NumberFacts, PictureFacts, PointFacts, ProgramGainFacts, RivalFacts, RunGainFacts,
+    StructureFacts, ViewFacts, diagnosis_text,
 };
 pub use machine_errors::{Hysteresis, MachineErrors, Reversal, Scale, Squareness};
 pub use outlook::{

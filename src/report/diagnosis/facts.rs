@@ -41,6 +41,10 @@ pub struct DiagnosisFacts {
     pub programs: Vec<ProgramGainFacts>,
     /// Coefficients that moved by more than their sigma.
     pub moved: Vec<MovedFacts>,
+    /// The residual against everything, the views that hold most structure first.
+    pub views: Vec<ViewFacts>,
+    /// How much of what is left on each arc repeats.
+    pub arcs: Vec<ArcFacts>,
     /// What these runs cannot see or tell apart, in sentences.
     pub unseen: Vec<String>,
     /// Runs that took no part.
@@ -107,6 +111,8 @@ pub struct FindingFacts {
     pub taken_for: &'static str,
     /// What else it could be, or could nearly be.
     pub rivals: Vec<RivalFacts>,
+    /// What it looks like by itself; `None` where it hangs on no single variable.
+    pub picture: Option<PictureFacts>,
     /// Where a curve without a cause is largest.
     pub feature: Option<FeatureFacts>,
 }
@@ -153,6 +159,87 @@ pub struct FeatureFacts {
     pub knots: Vec<f64>,
     /// The curve at the knots, in the unit of the curve, without what the model spans anyway.
     pub values: Vec<f64>,
+}
+
+/// An effect over what it hangs on, with what is left around it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PictureFacts {
+    /// What it hangs on, such as `position of X, within a period`.
+    pub variable: String,
+    /// Unit of that.
+    pub variable_unit: &'static str,
+    /// Unit of the values: `um` or `urad`.
+    pub unit: &'static str,
+    /// The points, ascending.
+    pub points: Vec<PointFacts>,
+}
+
+/// A point of a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PointFacts {
+    /// In the unit of the variable.
+    pub at: f64,
+    /// The effect with what is left around it.
+    pub measured: f64,
+    /// The effect as it was fitted.
+    pub fitted: f64,
+    /// Standard deviation of `measured` by noise.
+    pub sigma: f64,
+}
+
+/// The residual before and after, against something.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ViewFacts {
+    /// What it is against, such as `position of X`.
+    pub variable: String,
+    /// How samples count, such as `along X`; empty where they count as they are read.
+    pub counted: String,
+    /// Unit of the variable.
+    pub unit: &'static str,
+    /// `means` or `spectrum`.
+    pub kind: &'static str,
+    /// Share of the variance before that it foretells, cross-validated; below 0 by chance.
+    pub share_before: f64,
+    /// The same of the variance after.
+    pub share_after: f64,
+    /// The bins of the views that the report draws; of the others none.
+    pub bins: Vec<BinFacts>,
+}
+
+/// A stretch of a view.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct BinFacts {
+    /// Its middle, in the unit of the view.
+    pub center: f64,
+    /// Mean residual of the model, or its amplitude, um.
+    pub before_um: f64,
+    /// Mean residual of the extended model, or its amplitude, um.
+    pub after_um: f64,
+    /// Standard deviation of a mean by noise, or the amplitude that noise has, um.
+    pub sigma_um: f64,
+    /// Samples.
+    pub count: usize,
+}
+
+/// An arc over all runs of one program.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ArcFacts {
+    /// Its name in the program.
+    pub name: String,
+    /// Feed, mm/min.
+    pub feed_mm_min: f64,
+    /// How many runs drove it.
+    pub run_count: usize,
+    /// Samples.
+    pub samples: usize,
+    /// Residual of the model, um rms.
+    pub before_um: f64,
+    /// Residual of the extended model, um rms.
+    pub after_um: f64,
+    /// Share of the variance before that repeats; `None` where no other run drove it; below 0 by chance.
+    pub structure_share_before: Option<f64>,
+    /// The same of the variance after.
+    pub structure_share_after: Option<f64>,
 }
 
 /// The gain on one run that took no part.

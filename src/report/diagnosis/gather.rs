@@ -6,8 +6,8 @@ use super::facts::{
     DiagnosisFacts, FeatureFacts, FindingFacts, LeftOutFacts, MovedFacts, NumberFacts,
     ProgramGainFacts, RivalFacts, RunGainFacts, StructureFacts,
 };
-use super::{verdict, words};
-use crate::diagnose::{Diagnosis, Feature, Finding, Owner, Rival, Structure, Told};
+use super::{verdict, views, words};
+use crate::diagnose::{Diagnosis, Feature, Finding, Owner, Picture, Rival, Structure, Told};
 use crate::identify::Identification;
 use crate::machine::Machine;
 use crate::model::Seat;
@@ -42,7 +42,11 @@ impl DiagnosisFacts {
             findings: diagnosis
                 .findings
                 .iter()
-                .map(|f| finding(f, said.after_mm, machine, identifications))
+                .enumerate()
+                .map(|(k, f)| {
+                    let picture = diagnosis.pictures.get(k).and_then(Option::as_ref);
+                    finding(f, picture, said.after_mm, machine, identifications)
+                })
                 .collect(),
             runs: diagnosis
                 .runs
@@ -78,6 +82,8 @@ impl DiagnosisFacts {
                     sigma_after: moved.sigma_after,
                 })
                 .collect(),
+            views: views::of(&diagnosis.views),
+            arcs: views::arcs(&diagnosis.arcs),
             unseen: diagnosis
                 .unseen
                 .iter()
@@ -105,6 +111,7 @@ fn structure(of: Structure) -> StructureFacts {
 
 fn finding(
     of: &Finding,
+    picture: Option<&Picture>,
     after_mm: f64,
     machine: &Machine,
     identifications: &[Identification],
@@ -147,6 +154,7 @@ fn finding(
         remedy: cause.map_or("", |cause| cause.remedy),
         taken_for: cause.map_or("", |cause| cause.taken_for),
         rivals: rivals(&of.rivals),
+        picture: picture.map(|picture| views::picture(picture, feature.as_ref())),
         feature,
     }
 }

@@ -4,14 +4,18 @@
 //! else.
 
 mod facts;
+mod figures;
 mod gather;
+pub(super) mod html;
 mod terminal;
 mod verdict;
+mod views;
 mod words;
 
 pub use facts::{
-    DiagnosisFacts, FeatureFacts, FindingFacts, LeftOutFacts, MovedFacts, NumberFacts,
-    ProgramGainFacts, RivalFacts, RunGainFacts, StructureFacts,
+    ArcFacts, BinFacts, DiagnosisFacts, FeatureFacts, FindingFacts, LeftOutFacts, MovedFacts,
+    NumberFacts, PictureFacts, PointFacts, ProgramGainFacts, RivalFacts, RunGainFacts,
+    StructureFacts, ViewFacts,
 };
 pub use terminal::diagnosis_text;
 pub(super) use terminal::in_short;

@@ -73,7 +73,7 @@ fn significant(of: &StructureFacts) -> bool {
 fn rms(of: &StructureFacts) -> String {
     let least = (2.0 * of.sigma_um2).max(0.0).sqrt();
     if of.variance_um2 < 2.0 * of.sigma_um2 {
-        return format!("some {}", fixed(least, 3));
+        return format!("at most {}", fixed(least, 3));
     }
     fixed(of.rms_um, 3)
 }

@@ -13,7 +13,7 @@ const NEAR_A_PITCH: f64 = 2e-3;
 pub(super) fn seat(seat: Seat) -> String {
     let what = match seat {
         Seat::Function(slide, component) => function(slide, component),
-        Seat::Slide(axis) => return format!("slide {axis}"),
+        Seat::Slide(axis) => return axis.to_string(),
         Seat::Ball(set_up) => {
             let ball = match set_up.ball {
                 Ball::Tool => "tool ball",
@@ -199,7 +199,7 @@ mod tests {
             ("EBX", "EBX (rotation of X about Y)"),
             ("EZt", "EZt (tool ball in Z)"),
             ("EYY1", "EYY1 (scale of Y)"),
-            ("Y", "slide Y"),
+            ("Y", "Y"),
         ] {
             assert_eq!(seat(Seat::parse(name).unwrap()), told);
         }
