@@ -377,8 +377,9 @@ mod tests {
         // Words between backticks, cut at dots and brackets.
         let documented: BTreeSet<&str> =
             schema.split('`').skip(1).step_by(2).flat_map(|code| code.split(['.', '['])).collect();
-        for set in ["hu40t-stops", "planar"] {
-            let text = fixture::identified(set).analysis.to_json().unwrap();
+        let plain = ["hu40t-stops", "planar"].map(fixture::identified);
+        for fixture in plain.into_iter().chain([fixture::diagnosed()]) {
+            let text = fixture.analysis.to_json().unwrap();
             let mut all = BTreeSet::new();
             names(&serde_json::from_str(&text).unwrap(), &mut all);
             assert!(all.len() > 80, "{all:?}");

@@ -321,8 +321,10 @@ mod tests {
 
     #[test]
     fn the_report_is_one_well_formed_file() {
-        for set in ["hu40t", "hu40t-stops", "planar"] {
-            let fixture = fixture::identified(set);
+        let sets = ["hu40t", "hu40t-stops", "planar", "case-a"];
+        for set in sets {
+            let fixture =
+                if set == "case-a" { fixture::diagnosed() } else { fixture::identified(set) };
             let html = render(&fixture.analysis, &fixture.identifications).unwrap();
             check_balanced(&html);
             for part in ["http", "<script", "src=", "href=", "NaN", "url("] {

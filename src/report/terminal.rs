@@ -275,6 +275,7 @@ fn spread(
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::report::fixture;
@@ -283,11 +284,19 @@ mod tests {
     #[test]
     fn the_summary_fits_the_terminal() {
         for set in ["hu40t", "planar"] {
-            let text = summary(&fixture::identified(set).analysis);
-            for line in text.lines() {
-                assert!(line.chars().count() <= WIDTH, "{line}");
-                assert!(!line.contains("NaN") && !line.contains("inf "), "{line}");
-            }
+            check(&summary(&fixture::identified(set).analysis));
+        }
+        let diagnosed = &fixture::diagnosed().analysis;
+        check(&summary(diagnosed));
+        check(&diagnosis::diagnosis_text(diagnosed.diagnosis.as_ref().unwrap()));
+    }
+
+    #[track_caller]
+    fn check(text: &str) {
+        for line in text.lines() {
+            // A cause as `--hide` takes it is one word.
+            assert!(line.chars().count() <= WIDTH || line.contains("--hide"), "{line}");
+            assert!(!line.contains("NaN") && !line.contains("inf "), "{line}");
         }
     }
 

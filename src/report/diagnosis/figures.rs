@@ -1,6 +1,6 @@
 //! Pictures before and after.
 
-use super::facts::{DiagnosisFacts, FindingFacts, PictureFacts, ViewFacts};
+use super::facts::{BinFacts, DiagnosisFacts, FindingFacts, PictureFacts, ViewFacts};
 use super::html::share;
 use crate::report::numbers::fixed;
 use crate::report::svg::text_width;
@@ -13,6 +13,8 @@ const HEIGHT: f64 = 200.0;
 const HEADROOM: f64 = 0.22;
 /// Half the width of a band of uncertainty, sigmas.
 const BAND: f64 = 2.0;
+/// Bins that lie farther apart than so many of the usual steps have a gap between them.
+const GAP: f64 = 2.5;
 /// More runs than this are not drawn: the table has them.
 const MOST_RUNS: usize = 24;
 
@@ -42,30 +44,40 @@ pub(super) fn view(of: &ViewFacts) -> String {
         ends(bins.iter().map(|bin| bin.center)),
     );
     let mut chart = Chart::new(WIDTH, HEIGHT, x, Axis::new(what, range(values.chain(bands))));
-    let edge = |side: f64| -> Vec<(f64, f64)> {
-        let each = bins.iter().map(|bin| {
-            let half = BAND * bin.sigma_um;
-            let y = match (spectrum, side > 0.0) {
-                (true, true) => half,
-                (true, false) => 0.0,
-                (false, _) => bin.after_um + side * half,
-            };
-            (bin.center, y)
-        });
-        each.collect()
-    };
-    let line = |of: fn(&super::facts::BinFacts) -> f64| -> Vec<(f64, f64)> {
-        bins.iter().map(|bin| (bin.center, of(bin))).collect()
-    };
-    chart.band(&edge(-1.0), &edge(1.0), "band");
-    chart.line(&line(|bin| bin.before_um), "before");
-    chart.line(&line(|bin| bin.after_um), "after");
+    for piece in pieces(bins) {
+        let edge = |side: f64| -> Vec<(f64, f64)> {
+            let each = piece.iter().map(|bin| {
+                let half = BAND * bin.sigma_um;
+                let y = match (spectrum, side > 0.0) {
+                    (true, true) => half,
+                    (true, false) => 0.0,
+                    (false, _) => bin.after_um + side * half,
+                };
+                (bin.center, y)
+            });
+            each.collect()
+        };
+        let line = |of: fn(&BinFacts) -> f64| -> Vec<(f64, f64)> {
+            piece.iter().map(|bin| (bin.center, of(bin))).collect()
+        };
+        chart.band(&edge(-1.0), &edge(1.0), "band");
+        chart.line(&line(|bin| bin.before_um), "before");
+        chart.line(&line(|bin| bin.after_um), "after");
+    }
     chart.title(&format!(
         "{} of the variance before, {} after",
         share(of.share_before),
         share(of.share_after)
     ));
     chart.finish(&format!("residual before and after against {}{along}", of.variable))
+}
+
+/// Stretches without a gap: no line is drawn over what has no samples.
+fn pieces(bins: &[BinFacts]) -> impl Iterator<Item = &[BinFacts]> {
+    let mut steps: Vec<f64> = bins.windows(2).map(|pair| pair[1].center - pair[0].center).collect();
+    steps.sort_by(f64::total_cmp);
+    let longest = GAP * steps.get(steps.len() / 2).copied().unwrap_or(0.0);
+    bins.chunk_by(move |a, b| b.center - a.center <= longest)
 }
 
 fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {

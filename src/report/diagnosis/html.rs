@@ -31,7 +31,7 @@ struct Section<'a> {
 /// A finding with its picture.
 struct Told<'a> {
     facts: &'a FindingFacts,
-    told: String,
+    numbers: String,
     size: String,
     others: Vec<String>,
     picture: Option<String>,
@@ -70,7 +70,7 @@ pub(in crate::report) fn section(facts: &DiagnosisFacts) -> Result<String> {
 
 fn told(finding: &FindingFacts) -> Told<'_> {
     Told {
-        told: typeset_minus(&fine(&finding.told)),
+        numbers: typeset_minus(&fine(&finding.told)),
         size: fixed(finding.rms_um, 3),
         others: terminal::others(finding),
         picture: finding.picture.as_ref().map(|picture| figures::picture(finding, picture)),

@@ -2,7 +2,7 @@
 
 use super::facts::{DiagnosisFacts, FindingFacts, RivalFacts};
 use super::verdict::percent;
-use crate::report::numbers::fixed;
+use crate::report::numbers::{decimals, fixed};
 use crate::report::text::{paragraph, table};
 use crate::report::units::{engineering, row_decimals};
 
@@ -94,8 +94,24 @@ fn full(text: &mut String, number: usize, finding: &FindingFacts) {
         );
     }
     for effect in &finding.effects {
-        paragraph(text, "     as a cause   ", effect);
+        paragraph(text, "     --hide       ", &shortened(effect));
     }
+}
+
+/// An effect as it is written, with five digits of each number.
+fn shortened(effect: &str) -> String {
+    let short = |part: &str| -> String {
+        let Some((key, value)) = part.split_once('=') else { return part.to_owned() };
+        let Ok(number) = value.parse::<f64>() else { return part.to_owned() };
+        let text = fixed(number, decimals(number, 5));
+        let text = if text.contains('.') {
+            text.trim_end_matches('0').trim_end_matches('.')
+        } else {
+            &text
+        };
+        format!("{key}={text}")
+    };
+    effect.split(',').map(short).collect::<Vec<_>>().join(",")
 }
 
 /// What else it could be, in sentences.

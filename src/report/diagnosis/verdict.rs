@@ -93,5 +93,5 @@ fn found(facts: &DiagnosisFacts) -> String {
 
 /// A share as percent; what is not quite all is not told as all.
 pub(super) fn percent(share: f64) -> String {
-    fixed(100.0 * share.clamp(-1.0, 1.0), 1)
+    fixed((1000.0 * share.clamp(-1.0, 1.0)).floor() / 10.0, 1)
 }
