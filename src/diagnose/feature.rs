@@ -19,7 +19,7 @@ pub struct Feature {
     pub knots: Vec<f64>,
     /// The curve at the knots without its trend, mm or rad.
     pub values: Vec<f64>,
-    /// Where it is largest, in the unit of the variable.
+    /// Where it is largest, midway between the places of half the height, in the unit of the variable.
     pub at: f64,
     /// How large it is there, with its sign, mm or rad.
     pub height: f64,
@@ -55,7 +55,7 @@ impl Feature {
         let height = values[top];
         let left = half(&knots[..=top], &values[..=top], height, true);
         let right = half(&knots[top..], &values[top..], height, false);
-        Some(Self { at: knots[top], height, width: right - left, knots, values })
+        Some(Self { at: 0.5 * (left + right), height, width: right - left, knots, values })
     }
 }
 
@@ -131,7 +131,7 @@ mod tests {
         };
         let element = Element { form: Form::Empirical(curve), owner: Owner::All };
         let feature = Feature::of(&element, &values).unwrap();
-        assert!((feature.at - 42.0).abs() < 3.0, "{}", feature.at);
+        assert!((feature.at - 42.0).abs() < 1.0, "{}", feature.at);
         assert!((feature.height / 2e-3 - 1.0).abs() < 0.1, "{}", feature.height);
         // Full width at half the height of a normal curve is 2.355 of its sigma.
         assert!((feature.width / (2.355 * 9.0) - 1.0).abs() < 0.15, "{}", feature.width);

@@ -16,12 +16,12 @@ fn test_of(runs: &[(&str, u32, String)]) -> Work {
     for program in ["O1005.nc", "O1015.nc"] {
         work.write(program, unpacked(&data("case-a").join(format!("{program}.gz"))));
     }
-    let mut rest = String::from("[identify]\nterms = [\"observable35\"]\n");
+    let mut rest = vec!["[identify]\nterms = [\"observable35\"]\n".to_owned()];
     for (name, program, text) in runs {
         work.write(&format!("{name}.csv"), text);
-        rest += &format!("\n[[run]]\nprogram = \"O{program}.nc\"\nlog = \"{name}.csv\"\n");
+        rest.push(format!("[[run]]\nprogram = \"O{program}.nc\"\nlog = \"{name}.csv\"\n"));
     }
-    work.test(&rest);
+    work.test(&rest.join("\n"));
     work
 }
 
@@ -33,7 +33,7 @@ fn kept(text: &str, keep: impl Fn(usize, usize) -> bool) -> String {
     let rows = lines.len() - first;
     let lines = lines.iter().enumerate();
     let kept = lines.filter(|(k, _)| *k < first || keep(*k - first, rows));
-    kept.map(|(_, line)| format!("{line}\n")).collect()
+    kept.map(|(_, line)| *line).collect::<Vec<_>>().join("\n") + "\n"
 }
 
 #[test]

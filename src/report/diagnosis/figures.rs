@@ -88,10 +88,11 @@ fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {
 pub(super) fn picture(finding: &FindingFacts, of: &PictureFacts) -> String {
     let points = &of.points;
     let values = points.iter().flat_map(|p| [p.measured, p.fitted]);
-    let unit = of.unit.replace('u', "µ");
+    let knots = || finding.feature.iter().flat_map(|feature| feature.knots.iter().copied());
+    let unit = if of.unit == "urad" { "µrad" } else { "µm" };
     let x = Axis::new(
         &format!("{}, {}", of.variable, of.variable_unit),
-        ends(points.iter().map(|p| p.at)),
+        ends(points.iter().map(|p| p.at).chain(knots())),
     );
     let (low, high) = enclosing(values, 5);
     let on = if finding.on.is_empty() { "length" } else { &finding.on };

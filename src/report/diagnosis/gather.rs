@@ -73,6 +73,8 @@ impl DiagnosisFacts {
             moved: diagnosis
                 .moved
                 .iter()
+                // What the amplitudes do not know may hide the whole move.
+                .filter(|moved| (moved.after - moved.before).abs() > moved.sigma_after)
                 .map(|moved| MovedFacts {
                     name: moved.name.clone(),
                     unit: moved.unit,
