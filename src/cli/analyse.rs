@@ -1,4 +1,4 @@
-//! `ballbar analyse`: align, identify and report in one.
+//! `ballbar analyse`: align, identify, diagnose and report in one.
 
 use std::path::Path;
 
@@ -8,9 +8,9 @@ use super::Common;
 use super::estimate::{Identified, Selection};
 use super::output::{self, Files, Talk};
 use crate::error::Result;
-use crate::report;
+use crate::report::{self, Analysis};
 
-/// Align the logs of a test, identify the machine, write the report
+/// Align the logs of a test, identify the machine, say what the model gets wrong, write the report
 ///
 /// Writes report.html, analysis.json and samples-RUN.csv, and prints the summary.
 #[derive(Args)]
@@ -25,14 +25,15 @@ pub(super) struct Arguments {
 
 impl Arguments {
     pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
-        let identified = self.selection.identify(talk)?;
+        let identified = self.selection.identify(talk)?.diagnosed(talk)?;
+        let analysis = identified.analysis();
         let mut files = Files::default();
-        let json = add_results(&mut files, &common.output, &identified)?;
+        let json = add_results(&mut files, &common.output, &identified, &analysis)?;
         let files = files.write()?;
         if common.json {
             output::print(&json)?;
         } else {
-            output::print_summary(&report::summary(&identified.analysis()))?;
+            output::print_summary(&report::summary(&analysis))?;
         }
         for file in files {
             talk.say(&format!("wrote {}", file.display()));
@@ -46,12 +47,12 @@ pub(super) fn add_results(
     files: &mut Files,
     directory: &Path,
     identified: &Identified,
+    analysis: &Analysis,
 ) -> Result<String> {
-    let analysis = identified.analysis();
     let json = analysis.to_json()?;
     files.add(
         directory.join("report.html"),
-        report::html::render(&analysis, &identified.campaign.repeats)?,
+        report::html::render(analysis, &identified.campaign.repeats)?,
     );
     files.add(directory.join("analysis.json"), json.clone());
     for identification in &identified.campaign.repeats {

@@ -37,16 +37,19 @@ impl Arguments {
         ));
         let program = common.output.join(&written.file_name);
 
-        talk.say("2. five measured logs, aligned and identified");
-        let identified = Selection::of_file(file).identify(talk)?;
+        talk.say(
+            "2. five measured logs, aligned, identified and searched for what the model gets wrong",
+        );
+        let identified = Selection::of_file(file).identify(talk)?.diagnosed(talk)?;
+        let analysis = identified.analysis();
         let mut files = Files::default();
         files.add(program, written.text.clone());
-        let json = add_results(&mut files, &common.output, &identified)?;
+        let json = add_results(&mut files, &common.output, &identified, &analysis)?;
         let files = files.write()?;
         if common.json {
             output::print(&json)?;
         } else {
-            output::print_summary(&report::summary(&identified.analysis()))?;
+            output::print_summary(&report::summary(&analysis))?;
         }
 
         talk.say("3. written, the report first");

@@ -5,11 +5,12 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::output::Talk;
+use crate::diagnose::{self, Diagnosis};
 use crate::error::Result;
 use crate::identify::{Campaign, Failure};
 use crate::machine::Machine;
 use crate::plan::{Loss, Test};
-use crate::report::Analysis;
+use crate::report::{Analysis, DiagnosisFacts};
 
 /// A test, and what to estimate where it differs from the test file.
 #[derive(Args)]
@@ -41,6 +42,7 @@ pub(super) struct Identified {
     pub(super) test: Test,
     pub(super) machine: Machine,
     pub(super) campaign: Campaign,
+    pub(super) diagnosis: Option<Diagnosis>,
 }
 
 impl Selection {
@@ -49,8 +51,13 @@ impl Selection {
         Self { test, terms: Vec::new(), loss: None, minimum_norm: false }
     }
 
-    /// Reads the test and identifies its runs.
+    /// Reads the test and identifies its runs; one that cannot be fails the test.
     pub(super) fn identify(&self, talk: &Talk) -> Result<Identified> {
+        self.identify_or(Failure::Refuse, talk)
+    }
+
+    /// The same, with a choice of what becomes of a run that cannot be.
+    pub(super) fn identify_or(&self, failure: Failure, talk: &Talk) -> Result<Identified> {
         let test = Test::read(&self.test)?;
         let machine = test.machine()?;
         let mut estimation = test.estimation().clone();
@@ -68,15 +75,28 @@ impl Selection {
         estimation.minimum_norm |= self.minimum_norm;
         let test = test.with_estimation(estimation);
         let progress = talk.progress(test.repeat_count(), "identifying");
-        let campaign = Campaign::of(&test, &machine, Failure::Refuse, &|| progress.inc(1));
+        let campaign = Campaign::of(&test, &machine, failure, &|| progress.inc(1));
         progress.finish_and_clear();
-        Ok(Identified { campaign: campaign?, test, machine })
+        Ok(Identified { campaign: campaign?, test, machine, diagnosis: None })
     }
 }
 
 impl Identified {
+    /// The same with what the model gets wrong.
+    pub(super) fn diagnosed(mut self, talk: &Talk) -> Result<Self> {
+        let spinner = talk.spinner("looking for what the model gets wrong");
+        let diagnosis = diagnose::diagnose(&self.test, &self.machine, &self.campaign);
+        spinner.finish_and_clear();
+        self.diagnosis = Some(diagnosis?);
+        Ok(self)
+    }
+
     /// What is told about it.
     pub(super) fn analysis(&self) -> Analysis {
-        Analysis::new(&self.test, &self.machine, &self.campaign.repeats)
+        let repeats = &self.campaign.repeats;
+        let mut analysis = Analysis::new(&self.test, &self.machine, repeats);
+        let facts = |diagnosis| DiagnosisFacts::new(&self.machine, repeats, diagnosis);
+        analysis.diagnosis = self.diagnosis.as_ref().map(facts);
+        analysis
     }
 }

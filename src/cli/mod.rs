@@ -10,6 +10,7 @@ mod blind;
 mod check;
 mod demo;
 mod design;
+mod diagnose;
 mod estimate;
 mod identify;
 mod machines;
@@ -40,7 +41,7 @@ pub struct Cli {
 
 const LONG_ABOUT: &str = "Programs for a telescoping ball-bar, alignment of its logs, identification of the machine.\n\n\
 A machine file says what the machine is, a test file says what is tested, with what, and what was measured. \
-`plan` says what it takes and what it will know, `program` writes the NC programs, the machine runs them, `analyse` makes coefficients and a report of the logs.";
+`plan` says what it takes and what it will know, `program` writes the NC programs, the machine runs them, `analyse` makes coefficients and a report of the logs, `diagnose` says what the model gets wrong.";
 
 const AFTER_HELP: &str = "Examples:
   ballbar demo                                 the whole chain on measured logs, in a few seconds
@@ -48,6 +49,7 @@ const AFTER_HELP: &str = "Examples:
   ballbar program test.toml -o out             write the NC programs of a test
   ballbar check out/O1001.nc --test test.toml  what is wrong with a program that was edited
   ballbar analyse test.toml -o out             align the logs, identify, write the report
+  ballbar diagnose test.toml                   what the model gets wrong, and why
   ballbar identify test.toml --json | jq .     coefficients for another program
 
 Exit codes:
@@ -82,6 +84,7 @@ enum Command {
     Align(align::Arguments),
     Identify(identify::Arguments),
     Analyse(analyse::Arguments),
+    Diagnose(diagnose::Arguments),
     Design(design::Arguments),
     Blind(blind::Arguments),
     Demo(demo::Arguments),
@@ -105,6 +108,7 @@ pub fn main() -> ExitCode {
         Command::Align(arguments) => arguments.run(common, &talk),
         Command::Identify(arguments) => arguments.run(common, &talk),
         Command::Analyse(arguments) => arguments.run(common, &talk),
+        Command::Diagnose(arguments) => arguments.run(common, &talk),
         Command::Design(arguments) => arguments.run(common, &talk),
         Command::Blind(arguments) => arguments.run(common, &talk),
         Command::Demo(arguments) => arguments.run(common, &talk),

@@ -35,13 +35,29 @@ pub(super) fn structure(
     residuals_mm: &[Vec<f64>],
     takes_part: impl Fn(usize, usize) -> bool,
 ) -> Option<Structure> {
+    let arcs = products(data, residuals_mm, takes_part);
+    let (sum, count) = arcs.iter().fold((0.0, 0.0), |(s, n), arc| (s + arc.0, n + arc.1));
+    if count == 0.0 {
+        return None;
+    }
+    let mean = sum / count;
+    let used = arcs.iter().filter(|arc| arc.1 > 0.0);
+    let squares: f64 = used.map(|arc| (arc.0 - mean * arc.1).powi(2)).sum();
+    Some(Structure { variance_mm2: mean, sigma_mm2: squares.sqrt() / count })
+}
+
+/// Sums of `e_i e_k` over all pairs of runs and their numbers, by the arc of the first of the pair.
+pub(super) fn products(
+    data: &Data,
+    residuals_mm: &[Vec<f64>],
+    takes_part: impl Fn(usize, usize) -> bool,
+) -> Vec<(f64, f64)> {
     let runs: Vec<(usize, usize)> = data
         .blocks
         .iter()
         .enumerate()
         .flat_map(|(b, block)| (0..block.runs.len()).map(move |run| (b, run)))
         .collect();
-    // Sum of products and their number, by arc of the first run of a pair.
     let mut arcs: Vec<(f64, f64)> = vec![(0.0, 0.0); data.arcs];
     for (index, &(a, run_a)) in runs.iter().enumerate() {
         for &(b, run_b) in &runs[index + 1..] {
@@ -76,12 +92,5 @@ pub(super) fn structure(
             }
         }
     }
-    let (sum, count) = arcs.iter().fold((0.0, 0.0), |(s, n), arc| (s + arc.0, n + arc.1));
-    if count == 0.0 {
-        return None;
-    }
-    let mean = sum / count;
-    let used = arcs.iter().filter(|arc| arc.1 > 0.0);
-    let squares: f64 = used.map(|arc| (arc.0 - mean * arc.1).powi(2)).sum();
-    Some(Structure { variance_mm2: mean, sigma_mm2: squares.sqrt() / count })
+    arcs
 }

@@ -10,12 +10,15 @@
 //! column `c` counts by what the fits of the model do not follow, `c' = c - Q Q^T c`, so a cause is never
 //! credited with what a cubic explains, nor the model blamed for it.
 
+mod arcs;
 mod channel;
 mod choose;
 mod curves;
 mod data;
+mod domains;
 mod element;
 mod extend;
+mod feature;
 mod floor;
 mod gain;
 mod joint;
@@ -24,14 +27,21 @@ mod model_file;
 mod moved;
 mod noise;
 mod numbers;
+mod picture;
 mod result;
 mod screen;
+mod spectra;
 mod vibration;
+mod view;
 
+pub use arcs::ArcShare;
 pub use choose::{Rival, Told};
 pub use element::{Element, Owner};
+pub use feature::Feature;
 pub use floor::Structure;
+pub use picture::{Picture, Point};
 pub use result::{Diagnosis, Finding, Moved, Number, ProgramGain, RunGain, Verdict};
+pub use view::{Bin, Kind, View};
 
 use crate::error::Result;
 use crate::identify::Campaign;
@@ -93,6 +103,11 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         }
         _ => Vec::new(),
     };
+    let views = views(&data, campaign, &left, noise.long_run_mm2);
+    let pictures = fitted.map_or_else(Vec::new, |fitted| {
+        let of = |k| picture::picture(&data, fitted, k, &left, noise.long_run_mm2);
+        (0..fitted.elements.len()).map(of).collect()
+    });
     let findings = chosen.map_or_else(Vec::new, |chosen| {
         let each = chosen.fitted.elements.iter().enumerate().zip(chosen.rivals);
         each.map(|((k, element), rivals)| {
@@ -115,8 +130,21 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         programs,
         moved,
         unseen: Vec::new(),
+        views,
+        pictures,
+        arcs: arcs::arcs(&data, campaign, &before, &left),
         left_out: campaign.left_out.iter().map(|(run, e)| (run.clone(), e.what.clone())).collect(),
         samples,
         extended,
     })
+}
+
+/// The residual before and after against everything, what holds most structure first.
+fn views(data: &Data, campaign: &Campaign, left_mm: &[Vec<f64>], long_run_mm2: f64) -> Vec<View> {
+    let (seen, circles) = domains::seen(data, campaign, left_mm);
+    let mut views = domains::views(&seen, &circles, long_run_mm2);
+    views.extend(spectra::views(&seen, long_run_mm2));
+    let score = |view: &View| view.share_before.max(view.share_after);
+    views.sort_by(|a, b| score(b).total_cmp(&score(a)));
+    views
 }

@@ -1,8 +1,11 @@
 //! What a diagnosis says.
 
+use super::arcs::ArcShare;
 use super::choose::Rival;
 use super::element::{Element, Owner};
 use super::floor::Structure;
+use super::picture::Picture;
+use super::view::View;
 use crate::identify::Campaign;
 use crate::model::Effect;
 
@@ -131,6 +134,12 @@ pub struct Diagnosis {
     pub moved: Vec<Moved>,
     /// What these runs cannot see, in sentences.
     pub unseen: Vec<String>,
+    /// The residual against everything, what holds most structure first.
+    pub views: Vec<View>,
+    /// What each finding looks like by itself, in their order; `None` where it hangs on no single variable.
+    pub pictures: Vec<Option<Picture>>,
+    /// How much of what is left on each arc repeats.
+    pub arcs: Vec<ArcShare>,
     /// Runs that took no part, with the reason.
     pub left_out: Vec<(String, String)>,
     /// Samples that were looked at.

@@ -4,6 +4,7 @@
 
 use serde::Serialize;
 
+use super::diagnosis::DiagnosisFacts;
 use super::machine_errors::MachineErrors;
 use crate::error::{Error, Kind, Result};
 
@@ -34,6 +35,8 @@ pub struct Analysis {
     pub over_repeats: Vec<MeanResult>,
     /// Squareness, scale and reversal errors in people's units.
     pub machine_errors: MachineErrors,
+    /// What the model gets wrong; `None` where nobody looked.
+    pub diagnosis: Option<DiagnosisFacts>,
     /// What a reader should know before he believes the numbers.
     pub cautions: Vec<String>,
     /// Facts that the caller adds, such as how the alignment was chosen.
@@ -374,8 +377,9 @@ mod tests {
         // Words between backticks, cut at dots and brackets.
         let documented: BTreeSet<&str> =
             schema.split('`').skip(1).step_by(2).flat_map(|code| code.split(['.', '['])).collect();
-        for set in ["hu40t-stops", "planar"] {
-            let text = fixture::identified(set).analysis.to_json().unwrap();
+        let plain = ["hu40t-stops", "planar"].map(fixture::identified);
+        for fixture in plain.into_iter().chain([fixture::diagnosed()]) {
+            let text = fixture.analysis.to_json().unwrap();
             let mut all = BTreeSet::new();
             names(&serde_json::from_str(&text).unwrap(), &mut all);
             assert!(all.len() > 80, "{all:?}");

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
-use super::Analysis;
-use crate::identify::{Identification, Options, RunInput, identify};
+use super::{Analysis, DiagnosisFacts};
+use crate::diagnose::diagnose;
+use crate::identify::{Campaign, Failure, Identification, Options, RunInput, identify};
 use crate::plan::{Run, Test};
 use crate::{align, log, model, nc};
 
@@ -25,6 +26,22 @@ pub(super) fn identified(set: &str) -> &'static Identified {
         "hu40t-stops" => &STOPS,
         _ => &PLANAR,
     }
+}
+
+/// What the model gets wrong on a set of `tests/data`, worked out once for all tests.
+#[allow(clippy::unwrap_used)]
+pub(super) fn diagnosed() -> &'static Identified {
+    static CASE: LazyLock<Identified> = LazyLock::new(|| {
+        let test = Test::read(&PathBuf::from("tests/data/case-a/test.toml")).unwrap();
+        let machine = test.machine().unwrap();
+        let campaign = Campaign::of(&test, &machine, Failure::Refuse, &|| ()).unwrap();
+        let diagnosis = diagnose(&test, &machine, &campaign).unwrap();
+        let mut analysis = Analysis::new(&test, &machine, &campaign.repeats);
+        let facts = DiagnosisFacts::new(&machine, &campaign.repeats, &diagnosis);
+        analysis.diagnosis = Some(facts);
+        Identified { analysis, identifications: campaign.repeats }
+    });
+    &CASE
 }
 
 /// Aligns and identifies a set of `tests/data`.

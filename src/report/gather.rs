@@ -50,6 +50,7 @@ impl Analysis {
             machine_errors: MachineErrors::new(machine, &over_repeats),
             repeats,
             over_repeats,
+            diagnosis: None,
             cautions: Vec::new(),
             remarks: Vec::new(),
         };

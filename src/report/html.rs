@@ -8,7 +8,7 @@ use super::cautions::DETERMINED;
 use super::figures::{self, Figure, RunPicture};
 use super::numbers::{count, fixed, many, signed, typeset};
 use super::units::{engineering, row_decimals};
-use super::{terminal, traces};
+use super::{diagnosis, terminal, traces};
 use crate::error::{Error, Kind, Result};
 use crate::identify::Identification;
 
@@ -17,6 +17,7 @@ use crate::identify::Identification;
 struct Page<'a> {
     analysis: &'a Analysis,
     verdict: Vec<String>,
+    diagnosis: String,
     facts: Vec<(&'static str, String)>,
     coefficients: Vec<Vec<CoefficientRow>>,
     repeated: bool,
@@ -62,8 +63,13 @@ pub fn render(analysis: &Analysis, identifications: &[Identification]) -> Result
             |(result, identification)| figures::autocorrelation(result, identification, analysis),
         ),
     );
+    // The gravest of what the model gets wrong is part of the verdict.
+    let wrong = analysis.diagnosis.iter().filter_map(|diagnosis| diagnosis.verdict.first());
+    let verdict = terminal::verdict(analysis);
+    let diagnosis = analysis.diagnosis.as_ref().map(diagnosis::html::section).transpose()?;
     let page = Page {
-        verdict: terminal::verdict(analysis).iter().map(|line| fine(line)).collect(),
+        verdict: verdict.iter().chain(wrong).map(|line| fine(line)).collect(),
+        diagnosis: diagnosis.unwrap_or_default(),
         facts: facts(analysis),
         coefficients: coefficients(analysis),
         repeated: analysis.repeats.len() > 1,
@@ -315,8 +321,10 @@ mod tests {
 
     #[test]
     fn the_report_is_one_well_formed_file() {
-        for set in ["hu40t", "hu40t-stops", "planar"] {
-            let fixture = fixture::identified(set);
+        let sets = ["hu40t", "hu40t-stops", "planar", "case-a"];
+        for set in sets {
+            let fixture =
+                if set == "case-a" { fixture::diagnosed() } else { fixture::identified(set) };
             let html = render(&fixture.analysis, &fixture.identifications).unwrap();
             check_balanced(&html);
             for part in ["http", "<script", "src=", "href=", "NaN", "url("] {

@@ -10,6 +10,7 @@
 mod analysis;
 mod arc_table;
 mod cautions;
+mod diagnosis;
 mod figures;
 #[cfg(test)]
 mod fixture;
@@ -36,6 +37,11 @@ pub use analysis::{
     Analysis, ArcResult, BallBarFacts, Correlation, FeedOverride, MachineFacts, MarkResult,
     MeanResult, MountingFacts, NoiseResult, ParameterResult, PauseResult, Pivots, RejectedSample,
     RepeatResult, RunResult, SampleCounts, TestFacts,
+};
+pub use diagnosis::{
+    ArcFacts, BinFacts, DiagnosisFacts, FeatureFacts, FindingFacts, LeftOutFacts, MovedFacts,
+    NumberFacts, PictureFacts, PointFacts, ProgramGainFacts, RivalFacts, RunGainFacts,
+    StructureFacts, ViewFacts, diagnosis_text,
 };
 pub use machine_errors::{Hysteresis, MachineErrors, Reversal, Scale, Squareness};
 pub use outlook::{

@@ -128,6 +128,13 @@ impl Chart {
         self.drawing.polyline(&points, class);
     }
 
+    /// What lies between two lines, in units of the axes.
+    pub(super) fn band(&mut self, low: &[(f64, f64)], high: &[(f64, f64)], class: &str) {
+        let around = low.iter().chain(high.iter().rev());
+        let points: Vec<(f64, f64)> = around.map(|point| self.at(*point)).collect();
+        self.drawing.polygon(&points, class);
+    }
+
     /// Dots, in units of the axes.
     pub(super) fn dots(&mut self, points: &[(f64, f64)], class: &str) {
         let points: Vec<(f64, f64)> = points.iter().map(|point| self.at(*point)).collect();

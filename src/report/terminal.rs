@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::analysis::{Analysis, MeanResult, RunResult};
 use super::cautions::DETERMINED;
+use super::diagnosis;
 use super::numbers::{fixed, many, signed};
 use super::text::{paragraph, table};
 use super::units::{engineering, row_decimals};
@@ -46,6 +47,10 @@ pub fn summary(analysis: &Analysis) -> String {
         for remark in &analysis.remarks {
             paragraph(&mut text, "  - ", remark);
         }
+    }
+    if let Some(diagnosis) = &analysis.diagnosis {
+        text.push_str("\nWhat the model gets wrong\n");
+        text.push_str(&diagnosis::in_short(diagnosis));
     }
     text
 }
@@ -270,6 +275,7 @@ fn spread(
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::report::fixture;
@@ -278,11 +284,19 @@ mod tests {
     #[test]
     fn the_summary_fits_the_terminal() {
         for set in ["hu40t", "planar"] {
-            let text = summary(&fixture::identified(set).analysis);
-            for line in text.lines() {
-                assert!(line.chars().count() <= WIDTH, "{line}");
-                assert!(!line.contains("NaN") && !line.contains("inf "), "{line}");
-            }
+            check(&summary(&fixture::identified(set).analysis));
+        }
+        let diagnosed = &fixture::diagnosed().analysis;
+        check(&summary(diagnosed));
+        check(&diagnosis::diagnosis_text(diagnosed.diagnosis.as_ref().unwrap()));
+    }
+
+    #[track_caller]
+    fn check(text: &str) {
+        for line in text.lines() {
+            // A cause as `--hide` takes it is one word.
+            assert!(line.chars().count() <= WIDTH || line.contains("--hide"), "{line}");
+            assert!(!line.contains("NaN") && !line.contains("inf "), "{line}");
         }
     }
 

@@ -7,8 +7,9 @@
 
 use super::stage::{Stage, Trace};
 use super::{Class, Course};
-use crate::diagnose::{Diagnosis, Finding, Form, Owner, Told};
+use crate::diagnose::{Diagnosis, Finding, Owner, Told};
 use crate::machine::Axis;
+use crate::model::Form;
 use crate::model::{Effect, Seat, Variable};
 
 /// Correlation of two traces beyond which two effects are the same in the runs at hand.

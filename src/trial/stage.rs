@@ -91,7 +91,7 @@ impl Stage {
             Failure::Refuse,
             &|| (),
         )?;
-        let model = campaign.model(&course.test, &course.machine)?;
+        let model = campaign.model(&course.test, &course.machine, 0)?;
         let options = Options::of(&course.test);
         let rates: Vec<f64> = simulated.iter().map(|run| run.sample_rate_hz).collect();
         let mut reach = Reach {

@@ -4,6 +4,7 @@
 
 mod check;
 mod design;
+mod diagnose;
 mod given;
 mod good;
 mod hide;

@@ -1,0 +1,52 @@
+//! `ballbar diagnose`: what the model gets wrong.
+
+use clap::Args;
+
+use super::Common;
+use super::analyse::add_results;
+use super::estimate::Selection;
+use super::output::{self, Files, Talk};
+use crate::error::{Error, Kind, Result};
+use crate::identify::Failure;
+use crate::report;
+
+/// Say what the model of a test gets wrong: the cause, its size, and what to do
+///
+/// Aligns and identifies like `analyse`, then searches the residuals for effects that the model lacks and
+/// measures what they explain on runs that took no part. A run whose log does not fit its program is left
+/// out and named. Writes report.html, analysis.json and samples-RUN.csv, and prints the diagnosis.
+#[derive(Args)]
+#[command(after_help = "Examples:
+  ballbar diagnose test.toml
+  ballbar diagnose test.toml -o results --json | jq '.findings[].effects'")]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    selection: Selection,
+}
+
+impl Arguments {
+    pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
+        let identified = self.selection.identify_or(Failure::LeaveOut, talk)?;
+        for (run, reason) in &identified.campaign.left_out {
+            talk.say(&format!("left out: {run}: {}", reason.what));
+        }
+        let identified = identified.diagnosed(talk)?;
+        let analysis = identified.analysis();
+        let facts = analysis.diagnosis.as_ref().ok_or_else(|| {
+            Error::new(Kind::Undetermined, "there is nothing to diagnose")
+                .hint("give the test file at least one `[[run]]`")
+        })?;
+        let mut files = Files::default();
+        add_results(&mut files, &common.output, &identified, &analysis)?;
+        let files = files.write()?;
+        if common.json {
+            output::print(&facts.to_json()?)?;
+        } else {
+            output::print_summary(&report::diagnosis_text(facts))?;
+        }
+        for file in files {
+            talk.say(&format!("wrote {}", file.display()));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,213 @@
+//! What the model gets wrong, as plain text of at most [`WIDTH`](crate::report::text::WIDTH) columns.
+
+use super::facts::{DiagnosisFacts, FindingFacts, RivalFacts};
+use super::verdict::percent;
+use crate::report::numbers::{decimals, fixed};
+use crate::report::text::{paragraph, table};
+use crate::report::units::{engineering, row_decimals};
+
+/// Everything: verdict, findings, gain, coefficients that moved, what cannot be seen.
+pub fn diagnosis_text(facts: &DiagnosisFacts) -> String {
+    let mut text = String::new();
+    for line in &facts.verdict {
+        paragraph(&mut text, "", line);
+    }
+    if !facts.findings.is_empty() {
+        text.push_str("\nFindings, the largest first\n");
+    }
+    for (k, finding) in facts.findings.iter().enumerate() {
+        full(&mut text, k + 1, finding);
+    }
+    text.push_str(&gains(facts));
+    text.push_str(&moved(facts));
+    if !facts.unseen.is_empty() {
+        text.push_str("\nWhat these runs cannot tell\n");
+        for sentence in &facts.unseen {
+            paragraph(&mut text, "  - ", sentence);
+        }
+    }
+    if !facts.left_out.is_empty() {
+        text.push_str("\nRuns that were left out\n");
+        for run in &facts.left_out {
+            paragraph(&mut text, "  - ", &format!("{}: {}", run.run, run.reason));
+        }
+    }
+    text
+}
+
+/// Verdict and findings, for the end of a summary.
+pub(in crate::report) fn in_short(facts: &DiagnosisFacts) -> String {
+    let mut text = String::new();
+    for line in facts.verdict.iter().take(if facts.nothing_found { 1 } else { 3 }) {
+        paragraph(&mut text, "  ", line);
+    }
+    for (k, finding) in facts.findings.iter().enumerate() {
+        paragraph(&mut text, &format!("  {}. ", k + 1), &headline(finding));
+    }
+    if !facts.findings.is_empty() {
+        paragraph(
+            &mut text,
+            "  ",
+            "Where they come from and what to do: `ballbar diagnose`, or the report.",
+        );
+    }
+    text
+}
+
+/// What it is with its numbers and its size.
+pub(super) fn headline(finding: &FindingFacts) -> String {
+    if finding.named {
+        let size = format!("{} um rms of the residual", fixed(finding.rms_um, 3));
+        let parts = [finding.told.as_str(), &size];
+        let parts: Vec<&str> = parts.into_iter().filter(|part| !part.is_empty()).collect();
+        format!("{}: {}.", finding.title, parts.join("; "))
+    } else {
+        format!("{}: {}.", finding.title, finding.told)
+    }
+}
+
+fn full(text: &mut String, number: usize, finding: &FindingFacts) {
+    paragraph(text, &format!("  {number}. "), &headline(finding));
+    for remark in &finding.remarks {
+        paragraph(text, "     ", remark);
+    }
+    for sentence in others(finding) {
+        paragraph(text, "     ", &sentence);
+    }
+    let parts = [
+        ("in           ", finding.owner.as_str()),
+        ("comes from   ", finding.source),
+        ("what to do   ", finding.remedy),
+        ("taken for    ", finding.taken_for),
+    ];
+    for (lead, words) in parts {
+        let usual = words == "all runs";
+        if !usual && !words.is_empty() {
+            paragraph(text, &format!("     {lead}"), words);
+        }
+    }
+    if !finding.named {
+        paragraph(
+            text,
+            "     what to do   ",
+            "no cause of the library explains it: look at the machine there; the curve may join the model as it is, labelled empirical",
+        );
+    }
+    for effect in &finding.effects {
+        paragraph(text, "     --hide       ", &shortened(effect));
+    }
+}
+
+/// An effect as it is written, with five digits of each number.
+fn shortened(effect: &str) -> String {
+    let short = |part: &str| -> String {
+        let Some((key, value)) = part.split_once('=') else { return part.to_owned() };
+        let Ok(number) = value.parse::<f64>() else { return part.to_owned() };
+        let text = fixed(number, decimals(number, 5));
+        let text = if text.contains('.') {
+            text.trim_end_matches('0').trim_end_matches('.')
+        } else {
+            &text
+        };
+        format!("{key}={text}")
+    };
+    effect.split(',').map(short).collect::<Vec<_>>().join(",")
+}
+
+/// What else it could be, in sentences.
+pub(super) fn others(finding: &FindingFacts) -> Vec<String> {
+    let of = |told: &'static str| -> Vec<&RivalFacts> {
+        finding.rivals.iter().filter(|rival| rival.told == told).collect()
+    };
+    let names = |rivals: &[&RivalFacts]| {
+        rivals.iter().map(|rival| rival.name.as_str()).collect::<Vec<_>>().join(", ")
+    };
+    let mut told = Vec::new();
+    let same = of("same");
+    if !same.is_empty() {
+        told.push(format!(
+            "Cannot be told from {} with these runs: they leave the same trace.",
+            names(&same)
+        ));
+    }
+    let undecided = of("undecided");
+    if let Some(first) = undecided.first() {
+        told.push(format!(
+            "Not decided by these runs, within the noise: {} (explains {} % of that).",
+            names(&undecided),
+            percent_of(first)
+        ));
+    }
+    if let Some(next) = of("apart").first() {
+        told.push(format!("Next best: {} explains {} % of that.", next.name, percent_of(next)));
+    }
+    told
+}
+
+fn percent_of(rival: &RivalFacts) -> String {
+    fixed(100.0 * rival.share, 1)
+}
+
+fn gains(facts: &DiagnosisFacts) -> String {
+    let mut text = String::new();
+    if facts.nothing_found {
+        return text;
+    }
+    text.push_str(if facts.runs.len() > 1 {
+        "\nGain on every run, with what the other repeats say, um rms\n"
+    } else {
+        "\nGain, um rms\n"
+    });
+    let head = ["run", "before", "after", "does not repeat", "explained"];
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
+    for run in &facts.runs {
+        rows.push(vec![
+            run.run.clone(),
+            fixed(run.before_um, 3),
+            fixed(run.after_um, 3),
+            fixed(run.floor_um, 3),
+            run.explained.map_or("-".into(), |share| format!("{} %", percent(share))),
+        ]);
+    }
+    text.push_str(&table(&rows, "lrrrr"));
+    if !facts.programs.is_empty() {
+        text.push_str("\nForetold from the runs of the other programs, um rms\n");
+        let head = ["runs", "feed", "before", "after"];
+        let mut rows = vec![head.map(str::to_owned).to_vec()];
+        for program in &facts.programs {
+            rows.push(vec![
+                program.runs.join(", "),
+                format!("{} mm/min", fixed(program.feed_mm_min, 0)),
+                fixed(program.before_um, 3),
+                fixed(program.after_um, 3),
+            ]);
+        }
+        text.push_str(&table(&rows, "lrrr"));
+    }
+    text
+}
+
+fn moved(facts: &DiagnosisFacts) -> String {
+    if facts.moved.is_empty() {
+        return String::new();
+    }
+    let mut text = String::from(
+        "\nCoefficients that the missing effects had moved by more than their sigma\n",
+    );
+    let head = ["name", "before", "after", "sigma", "unit"];
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
+    for moved in &facts.moved {
+        let unit = engineering(moved.unit);
+        let of = |value: f64| value * unit.factor;
+        let places = row_decimals(of(moved.after), Some(of(moved.sigma_after)));
+        rows.push(vec![
+            moved.name.clone(),
+            fixed(of(moved.before), places),
+            fixed(of(moved.after), places),
+            fixed(of(moved.sigma_after), places),
+            unit.plain.to_owned(),
+        ]);
+    }
+    text.push_str(&table(&rows, "lrrrl"));
+    text
+}

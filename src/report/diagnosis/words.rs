@@ -1,0 +1,207 @@
+//! Effects in words.
+
+use crate::machine::{Axis, Machine};
+use crate::model::{Ball, Component, Effect, Power, Seat};
+use crate::report::numbers::{decimals, fixed};
+
+use super::facts::NumberFacts;
+
+/// A period is a part of a pitch within this share of it, however well it is known.
+const NEAR_A_PITCH: f64 = 2e-3;
+
+/// What a seat is, behind its name: `EXX (positioning of X)`; empty for the whole.
+pub(super) fn seat(seat: Seat) -> String {
+    let what = match seat {
+        Seat::Function(slide, component) => function(slide, component),
+        Seat::Slide(axis) => return axis.to_string(),
+        Seat::Ball(set_up) => {
+            let ball = match set_up.ball {
+                Ball::Tool => "tool ball",
+                Ball::Workpiece => "workpiece ball",
+            };
+            format!("{ball} in {}", set_up.axis)
+        }
+        Seat::Coefficient(of) if of.power == Power::P1 && along(of.slide, of.component) => {
+            format!("scale of {}", of.slide)
+        }
+        Seat::Coefficient(of) => function(of.slide, of.component),
+        Seat::Bar => return "the bar".into(),
+        Seat::Whole => return String::new(),
+    };
+    format!("{seat} ({what})")
+}
+
+fn along(slide: Axis, component: Component) -> bool {
+    component as usize == slide.index()
+}
+
+fn function(slide: Axis, component: Component) -> String {
+    let about = ['X', 'Y', 'Z'][component.direction()];
+    if component.is_angular() {
+        format!("rotation of {slide} about {about}")
+    } else if along(slide, component) {
+        format!("positioning of {slide}")
+    } else {
+        format!("straightness of {slide} in {about}")
+    }
+}
+
+/// A text that begins a sentence.
+pub(super) fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().collect::<String>() + letters.as_str()
+    })
+}
+
+/// Units at the ends of names, with their signs.
+const UNITS: [(&str, &str); 10] = [
+    ("_um_m", "um/m"),
+    ("_mm_min", "mm/min"),
+    ("_urad", "urad"),
+    ("_um", "um"),
+    ("_mm", "mm"),
+    ("_rad", "rad"),
+    ("_ms", "ms"),
+    ("_hz", "Hz"),
+    ("_s", "s"),
+    ("", ""),
+];
+
+/// `amplitude 1.201 +- 0.002 um, period 10.0000 +- 0.0003 mm`.
+pub(super) fn numbers(numbers: &[NumberFacts]) -> String {
+    let told: Vec<String> = numbers.iter().map(number).collect();
+    told.join(", ")
+}
+
+fn number(number: &NumberFacts) -> String {
+    // Of several amplitudes: which one.
+    let (name, which) = number.name.split_once(' ').unwrap_or((&number.name, ""));
+    let (name, unit) = UNITS
+        .iter()
+        .find_map(|(end, unit)| Some((name.strip_suffix(end)?, *unit)))
+        .unwrap_or((name, ""));
+    let (name, unit) = match name {
+        "ppm" => ("clock", "ppm"),
+        "percent" => ("override", "%"),
+        name => (name, unit),
+    };
+    let name = name.replace('_', " ");
+    let which = if which.is_empty() { String::new() } else { format!(" {which}") };
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    let value = if let Some(sigma) = number.sigma.filter(|sigma| *sigma > 0.0) {
+        let places = decimals(sigma, 2).min(6);
+        format!("{} +- {}", fixed(number.value, places), fixed(sigma, places))
+    } else {
+        let whole = number.value.fract().abs() < 1e-9;
+        fixed(number.value, if whole { 0 } else { decimals(number.value, 4).min(6) })
+    };
+    format!("{name}{which} {value}{unit}")
+}
+
+/// What follows from a cause's numbers, in sentences.
+pub(super) fn remarks(effect: &Effect, numbers: &[NumberFacts], machine: &Machine) -> Vec<String> {
+    match (effect.cause.id, effect.seat) {
+        ("cyclic", Seat::Function(axis, _)) => vec![screw(effect, numbers, machine, axis)],
+        ("servo", Seat::Slide(axis)) => {
+            let delay_ms = 1e3 * effect.get("delay_ms");
+            let how = if delay_ms < 0.0 { "less" } else { "more" };
+            let size_ms = delay_ms.abs();
+            vec![format!(
+                "{axis} lags {} ms {how} than the slides that are not named; what all have in common shows as a delay of the log.",
+                fixed(size_ms, decimals(size_ms, 3).min(3))
+            )]
+        }
+        ("drift", _) => {
+            let minutes = effect.get("time_constant_s") / 60.0;
+            vec![format!(
+                "95 % of it is there after {} min.",
+                fixed(3.0 * minutes, usize::from(minutes < 3.0))
+            )]
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// Which part of the screw's pitch a period is.
+fn screw(effect: &Effect, numbers: &[NumberFacts], machine: &Machine, axis: Axis) -> String {
+    let Some(pitch_mm) = machine.slide(axis).screw_pitch_mm else {
+        return format!(
+            "The machine file does not say the pitch of the screw of {axis} (`screw_pitch_mm`)."
+        );
+    };
+    let period_mm = effect.get("period_mm");
+    let sigma_mm =
+        numbers.iter().find(|n| n.name == "period_mm").and_then(|n| n.sigma).unwrap_or(0.0);
+    let part = [1.0, 2.0, 3.0, 4.0].into_iter().zip(["", "half ", "a third of ", "a quarter of "]);
+    for (times, words) in part {
+        let off_mm = (times * period_mm - pitch_mm).abs();
+        if off_mm < (3.0 * times * sigma_mm).max(NEAR_A_PITCH * pitch_mm) {
+            return format!(
+                "The period is {words}the pitch of the screw of {axis}, {pitch_mm} mm: {}.",
+                match times as usize {
+                    1 => "once a turn, as of a screw that runs out".to_owned(),
+                    times =>
+                        format!("{times} times a turn, as of its bearing, coupling or encoder"),
+                }
+            );
+        }
+    }
+    format!(
+        "The period is no simple part of the pitch of the screw of {axis}, {pitch_mm} mm: look at the scale and what else turns with the drive."
+    )
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    fn of(name: &str, value: f64, sigma: Option<f64>) -> NumberFacts {
+        NumberFacts { name: name.into(), value, sigma }
+    }
+
+    #[test]
+    fn numbers_have_two_digits_of_their_sigma() {
+        let told = numbers(&[
+            of("amplitude_um", 1.200_951, Some(0.002_38)),
+            of("period_mm", 9.999_901, Some(0.000_26)),
+            of("time_constant_s", 489.66, Some(6.3)),
+            of("speed_mm_min", 12.0, None),
+            of("amplitude_um_m 2", 0.5, None),
+        ]);
+        assert_eq!(
+            told,
+            "amplitude 1.2010 +- 0.0024 um, period 9.99990 +- 0.00026 mm, time constant 489.7 +- 6.3 s, speed 12 mm/min, amplitude 2 0.5000 um/m"
+        );
+    }
+
+    #[test]
+    fn a_period_is_held_against_the_screw() {
+        let machine = Machine::read("machines/hu40t.toml".as_ref()).unwrap();
+        for (period, told) in [
+            (10.0, "the pitch of the screw of X"),
+            (5.004, "half the pitch"),
+            (2.5, "a quarter of the pitch"),
+            (7.7, "no simple part"),
+        ] {
+            let text = format!("cyclic:on=EBX,amplitude_urad=1,period_mm={period}");
+            let remarks = remarks(&Effect::parse(&text).unwrap(), &[], &machine);
+            assert!(remarks[0].contains(told), "{remarks:?}");
+        }
+    }
+
+    #[test]
+    fn seats_are_told_in_words() {
+        for (name, told) in [
+            ("EXX", "EXX (positioning of X)"),
+            ("EZX", "EZX (straightness of X in Z)"),
+            ("EBX", "EBX (rotation of X about Y)"),
+            ("EZt", "EZt (tool ball in Z)"),
+            ("EYY1", "EYY1 (scale of Y)"),
+            ("Y", "Y"),
+        ] {
+            assert_eq!(seat(Seat::parse(name).unwrap()), told);
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! `ballbar diagnose`: what it says, and what it makes of runs that are few, mixed or damaged.
+
+use serde_json::Value;
+
+use crate::work::{Work, data, unpacked};
+
+/// A log of a set, as text.
+fn log(set: &str, run: &str) -> String {
+    unpacked(&data(set).join(format!("{run}.csv.gz")))
+}
+
+/// A test of case-a: logs by name, each with the number of its program.
+fn test_of(runs: &[(&str, u32, String)]) -> Work {
+    let work = Work::new();
+    work.machine("name", "name");
+    for program in ["O1005.nc", "O1015.nc"] {
+        work.write(program, unpacked(&data("case-a").join(format!("{program}.gz"))));
+    }
+    let mut rest = vec!["[identify]\nterms = [\"observable35\"]\n".to_owned()];
+    for (name, program, text) in runs {
+        work.write(&format!("{name}.csv"), text);
+        rest.push(format!("[[run]]\nprogram = \"O{program}.nc\"\nlog = \"{name}.csv\"\n"));
+    }
+    work.test(&rest.join("\n"));
+    work
+}
+
+/// The rows of a log that are kept, by their number.
+fn kept(text: &str, keep: impl Fn(usize, usize) -> bool) -> String {
+    let lines: Vec<&str> = text.lines().collect();
+    let first =
+        lines.iter().position(|line| line.starts_with(|c: char| c.is_ascii_digit())).unwrap();
+    let rows = lines.len() - first;
+    let lines = lines.iter().enumerate();
+    let kept = lines.filter(|(k, _)| *k < first || keep(*k - first, rows));
+    kept.map(|(_, line)| *line).collect::<Vec<_>>().join("\n") + "\n"
+}
+
+#[test]
+fn a_cause_is_named_with_what_to_do_and_the_gain() {
+    let work = Work::new();
+    let test = data("case-a").join("test.toml");
+    let outcome = work.ballbar(&["diagnose", test.to_str().unwrap()]).done();
+    let text = outcome.stdout();
+    for told in [
+        "um rms of structure repeats that the model does not explain",
+        "1. Cyclic error of a screw or scale, EXX (positioning of X): amplitude 1.20",
+        "the pitch of the screw of X, 10 mm: once a turn",
+        "what to do",
+        "Foretold from the runs of the other programs",
+        "Coefficients that the missing effects had moved",
+    ] {
+        assert!(text.contains(told), "{told}: {text}");
+    }
+    assert!(outcome.files().contains(&"report.html".to_owned()), "{:?}", outcome.files());
+    let analysis = std::fs::read_to_string(work.path("results/analysis.json")).unwrap();
+    let analysis: Value = serde_json::from_str(&analysis).unwrap();
+    let finding = &analysis["diagnosis"]["findings"][0];
+    assert_eq!((&finding["cause"], &finding["on"]), (&"cyclic".into(), &"EXX".into()));
+    let report = std::fs::read_to_string(work.path("results/report.html")).unwrap();
+    assert!(report.contains("<h2>What the model gets wrong</h2>"));
+}
+
+#[test]
+fn an_analysis_ends_with_the_diagnosis() {
+    let work =
+        test_of(&[("run4", 1015, log("case-a", "run4")), ("run5", 1015, log("case-a", "run5"))]);
+    let text = work.ballbar(&["analyse", "test.toml"]).done().stdout();
+    let (_, end) = text.split_once("\nWhat the model gets wrong\n").unwrap();
+    assert!(end.contains("1. Cyclic error of a screw or scale, EXX"), "{end}");
+}
+
+#[test]
+fn one_run_only_still_works_and_says_what_it_cannot_tell() {
+    let work = test_of(&[("run1", 1005, log("case-a", "run1"))]);
+    let outcome = work.ballbar(&["diagnose", "test.toml"]).done();
+    let text = outcome.stdout();
+    assert!(text.contains("1. Cyclic error of a screw or scale, EXX"), "{text}");
+    assert!(text.contains("no repeat tells what of it is noise"), "{text}");
+    assert!(text.contains("One repeat only") && text.contains("No program ran twice"), "{text}");
+    assert!(!text.contains("Foretold") && !text.contains("took no part:"), "{text}");
+}
+
+#[test]
+fn runs_that_do_not_belong_are_left_out_with_the_reason() {
+    let work = test_of(&[
+        ("run4", 1015, log("case-a", "run4")),
+        ("run5", 1015, log("case-a", "run5")),
+        // The program of the other feed, and another test altogether.
+        ("slow", 1015, log("case-a", "run1")),
+        ("planes", 1015, log("planar", "xy")),
+    ]);
+    let outcome = work.ballbar(&["diagnose", "test.toml"]).done();
+    for run in ["slow", "planes"] {
+        assert!(outcome.stderr().contains(&format!("left out: {run}: ")), "{}", outcome.stderr());
+    }
+    let text = outcome.stdout();
+    let (_, end) = text.split_once("\nRuns that were left out\n").unwrap();
+    assert!(end.contains("slow: ") && end.contains("planes: "), "{end}");
+    assert!(text.contains("1. Cyclic error of a screw or scale, EXX"), "{text}");
+    // What is strict refuses them.
+    let strict = work.ballbar(&["identify", "test.toml"]);
+    assert_eq!(strict.code(), 3, "{}", strict.stderr());
+}
+
+#[test]
+fn where_no_run_belongs_the_first_reason_is_told() {
+    let work =
+        test_of(&[("slow", 1015, log("case-a", "run1")), ("planes", 1015, log("planar", "xy"))]);
+    let message = work.ballbar(&["diagnose", "test.toml"]).refused(3);
+    assert!(message.contains("hint: "), "{message}");
+}
+
+#[test]
+fn a_third_of_the_samples_may_be_missing() {
+    let whole = log("case-a", "run5");
+    let work = test_of(&[
+        ("run4", 1015, log("case-a", "run4")),
+        ("sparse", 1015, kept(&whole, |row, _| row % 3 != 1)),
+        // The middle third is not there at all.
+        ("torn", 1015, kept(&whole, |row, rows| !(rows / 3..2 * rows / 3).contains(&row))),
+    ]);
+    let outcome = work.ballbar(&["diagnose", "test.toml"]).done();
+    let text = outcome.stdout();
+    assert!(text.contains("1. Cyclic error of a screw or scale, EXX"), "{text}");
+    assert!(text.contains("amplitude 1.2"), "{text}");
+    assert!(!outcome.stderr().contains("left out: sparse"), "{}", outcome.stderr());
+}
+
+#[test]
+fn a_diagnosis_as_json_is_the_key_of_the_analysis() {
+    let work =
+        test_of(&[("run4", 1015, log("case-d", "run4")), ("run5", 1015, log("case-d", "run5"))]);
+    let outcome = work.ballbar(&["diagnose", "test.toml", "--json"]).done();
+    let told: Value = serde_json::from_str(&outcome.stdout()).unwrap();
+    assert_eq!(told["nothing_found"], true);
+    let analysis = std::fs::read_to_string(work.path("results/analysis.json")).unwrap();
+    let analysis: Value = serde_json::from_str(&analysis).unwrap();
+    assert_eq!(analysis["diagnosis"], told);
+    // Runs of one feed cannot tell time from place by more than shape.
+    let unseen = told["unseen"].as_array().unwrap();
+    assert!(unseen.iter().any(|s| s.as_str().unwrap().contains("one feed")), "{unseen:?}");
+}
