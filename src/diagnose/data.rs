@@ -141,6 +141,16 @@ impl Data {
         ends.fold(1.0, f64::max)
     }
 
+    /// What the model leaves, of every block, mm.
+    pub(super) fn residuals_mm(&self) -> Vec<Vec<f64>> {
+        self.blocks.iter().map(|block| block.residual_mm.clone()).collect()
+    }
+
+    /// Sum of squares of what the model leaves, mm².
+    pub(super) fn squares_without_mm2(&self) -> f64 {
+        self.blocks.iter().map(|block| dot(&block.residual_mm, &block.residual_mm)).sum()
+    }
+
     /// How many samples.
     pub(super) fn samples(&self) -> usize {
         self.blocks.iter().map(|block| block.samples.len()).sum()

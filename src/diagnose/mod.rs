@@ -60,7 +60,8 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
     let mut data = Data::new(test, machine, campaign)?;
     let mut screen = Screen::new(&data, &campaign.terms);
     let chosen = Search { data: &mut data, screen: &mut screen, first: Vec::new() }.run();
-    let before = data.blocks.iter().map(|b| b.residual_mm.clone()).collect::<Vec<_>>();
+    let before = data.residuals_mm();
+    let before_mm = (data.squares_without_mm2() / data.samples().max(1) as f64).sqrt();
     let structure_before = floor::structure(&data, &before, |_, _| true);
     let extended = match chosen {
         Some(chosen) => extend::extend(test, machine, campaign, chosen)?,
@@ -80,13 +81,15 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         (columns.iter().map(|c| dot(c, c)).sum::<f64>() / samples.max(1) as f64).sqrt()
     };
     let left = data.left_mm.clone();
+    // About the extended model a few more samples, or fewer, take part.
+    let before = data.residuals_mm();
     // From here on, effects are fitted beside the model alone.
     data.accept(&[]);
     let fitted = chosen.as_ref().map(|chosen| &chosen.fitted);
     let (runs, arcs) = gain::by_run(&data, &left, fitted);
     let explained = fitted.and_then(|_| gain::explained(&arcs));
     let verdict = Verdict {
-        before_mm: mean(&before),
+        before_mm,
         after_mm: mean(&left),
         structure_before,
         structure_after: floor::structure(&data, &left, |_, _| true),
