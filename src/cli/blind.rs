@@ -123,9 +123,8 @@ impl Arguments {
             return Err(Error::input(failure.clone()));
         }
         let mut text = line(&outcome);
-        let Some(diagnosis) = &outcome.diagnosis else { return output::print(&text) };
-        let _ = writeln!(text, "{:#?}", diagnosis.verdict);
-        for finding in &diagnosis.findings {
+        let Some(findings) = &outcome.findings else { return output::print(&text) };
+        for finding in findings {
             let _ = writeln!(text, "found, {:.3} um rms:", 1e3 * finding.rms_mm);
             match finding.element.shape() {
                 Some(shape) => _ = writeln!(text, "  {}", shape.name()),

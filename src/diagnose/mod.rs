@@ -47,19 +47,55 @@ use crate::error::Result;
 use crate::identify::Campaign;
 use crate::machine::Machine;
 use crate::plan::Test;
-use choose::Search;
+use choose::{Chosen, Search};
 use data::{Data, dot};
 use noise::Noise;
 use screen::Screen;
 
-/// Looks for what the model of a campaign gets wrong.
+/// Looks for what the model of a campaign gets wrong, and does not yet extend it: no gain is measured, and the
+/// numbers are those of a search that is linear about the first identification.
+///
+/// # Errors
+/// When the rows of a fit are not finite numbers.
+pub fn search(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<Vec<Finding>> {
+    let mut data = Data::new(test, machine, campaign)?;
+    let chosen = chosen(&mut data, campaign);
+    let noise = Noise::of(&data);
+    data.accept(&[]);
+    Ok(findings(&data, chosen.as_ref(), &noise))
+}
+
+fn chosen(data: &mut Data, campaign: &Campaign) -> Option<Chosen> {
+    let mut screen = Screen::new(data, &campaign.terms);
+    Search { data, screen: &mut screen, first: Vec::new() }.run()
+}
+
+fn findings(data: &Data, chosen: Option<&Chosen>, noise: &Noise) -> Vec<Finding> {
+    let Some(Chosen { fitted, rivals }) = chosen else { return Vec::new() };
+    let samples = data.samples().max(1) as f64;
+    let each = fitted.elements.iter().enumerate().zip(rivals);
+    each.map(|((k, element), rivals)| {
+        let (effects, numbers) = numbers::told(fitted, k, noise.long_run_mm2);
+        let left: f64 = fitted.part(k).effect(data).iter().map(|c| dot(c, c)).sum();
+        Finding {
+            element: element.clone(),
+            effects,
+            numbers,
+            amplitudes: fitted.amplitudes[k].clone(),
+            rms_mm: (left / samples).sqrt(),
+            rivals: rivals.clone(),
+        }
+    })
+    .collect()
+}
+
+/// Looks for what the model of a campaign gets wrong, extends it and measures the gain.
 ///
 /// # Errors
 /// When the rows of a fit are not finite numbers.
 pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<Diagnosis> {
     let mut data = Data::new(test, machine, campaign)?;
-    let mut screen = Screen::new(&data, &campaign.terms);
-    let chosen = Search { data: &mut data, screen: &mut screen, first: Vec::new() }.run();
+    let chosen = chosen(&mut data, campaign);
     let before = data.residuals_mm();
     let before_mm = (data.squares_without_mm2() / data.samples().max(1) as f64).sqrt();
     let structure_before = floor::structure(&data, &before, |_, _| true);
@@ -111,21 +147,7 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         let of = |k| picture::picture(&data, fitted, k, &left, noise.long_run_mm2);
         (0..fitted.elements.len()).map(of).collect()
     });
-    let findings = chosen.map_or_else(Vec::new, |chosen| {
-        let each = chosen.fitted.elements.iter().enumerate().zip(chosen.rivals);
-        each.map(|((k, element), rivals)| {
-            let (effects, numbers) = numbers::told(&chosen.fitted, k, noise.long_run_mm2);
-            Finding {
-                element: element.clone(),
-                effects,
-                numbers,
-                amplitudes: chosen.fitted.amplitudes[k].clone(),
-                rms_mm: mean(&chosen.fitted.part(k).effect(&data)),
-                rivals,
-            }
-        })
-        .collect()
-    });
+    let findings = findings(&data, chosen.as_ref(), &noise);
     Ok(Diagnosis {
         verdict,
         findings,

@@ -7,7 +7,7 @@
 
 use super::stage::{Stage, Trace};
 use super::{Class, Course};
-use crate::diagnose::{Diagnosis, Finding, Owner, Told};
+use crate::diagnose::{Finding, Owner, Told};
 use crate::machine::Axis;
 use crate::model::Form;
 use crate::model::{Effect, Seat, Variable};
@@ -95,11 +95,11 @@ pub(super) fn judge(
     course: &Course,
     class: Class,
     hidden: &[(Effect, Trace)],
-    diagnosis: &Diagnosis,
+    findings: &[Finding],
 ) -> Judgement {
     let mut grades = Vec::new();
     let mut found = Vec::new();
-    for finding in &diagnosis.findings {
+    for finding in findings {
         let trace =
             traced(finding).and_then(|e| stage.trace(course, &told(course, finding, e)).ok());
         let of: Vec<Grade> = hidden

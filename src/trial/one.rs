@@ -9,7 +9,7 @@ use super::judge::{Judgement, Verdict, judge};
 use super::stage::{Stage, Trace, simulate_all};
 use super::{Class, Course};
 use crate::align;
-use crate::diagnose::{Diagnosis, diagnose};
+use crate::diagnose::{Finding, search};
 use crate::error::Result;
 use crate::identify::{Campaign, Failure, RunInput};
 use crate::log;
@@ -46,8 +46,8 @@ pub struct Outcome {
     pub left_out: Vec<(String, String)>,
     /// How long it took.
     pub seconds: Seconds,
-    /// The diagnosis, where it was asked for.
-    pub diagnosis: Option<Diagnosis>,
+    /// What was found, where it was asked for.
+    pub findings: Option<Vec<Finding>>,
 }
 
 /// What a trial is: everything that was drawn.
@@ -64,10 +64,10 @@ pub(super) fn trial(stage: &Stage, course: &Course, drawn: Drawn, keep: bool) ->
     let Drawn { class, index, size_mm, hidden, days } = drawn;
     let mut seconds = Seconds::default();
     let diagnosed = diagnosed(course, &hidden, days, &mut seconds);
-    let (judgement, failure, left_out, diagnosis) = match diagnosed {
-        Ok((diagnosis, left_out)) => {
-            let judgement = judge(stage, course, class, &hidden, &diagnosis);
-            (judgement, None, left_out, keep.then_some(diagnosis))
+    let (judgement, failure, left_out, findings) = match diagnosed {
+        Ok((findings, left_out)) => {
+            let judgement = judge(stage, course, class, &hidden, &findings);
+            (judgement, None, left_out, keep.then_some(findings))
         }
         Err(error) => {
             let judgement =
@@ -76,7 +76,7 @@ pub(super) fn trial(stage: &Stage, course: &Course, drawn: Drawn, keep: bool) ->
         }
     };
     let hidden = hidden.into_iter().map(|(effect, trace)| (effect, trace.share())).collect();
-    Outcome { class, index, size_mm, hidden, judgement, failure, left_out, seconds, diagnosis }
+    Outcome { class, index, size_mm, hidden, judgement, failure, left_out, seconds, findings }
 }
 
 type LeftOut = Vec<(String, String)>;
@@ -86,7 +86,7 @@ fn diagnosed(
     hidden: &[(Effect, Trace)],
     mut days: Vec<Scenario>,
     seconds: &mut Seconds,
-) -> Result<(Diagnosis, LeftOut)> {
+) -> Result<(Vec<Finding>, LeftOut)> {
     let start = Instant::now();
     for day in &mut days {
         for (effect, _) in hidden {
@@ -107,10 +107,10 @@ fn diagnosed(
     )?;
     seconds.identify_s = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let diagnosis = diagnose(&course.test, &course.machine, &campaign)?;
+    let findings = search(&course.test, &course.machine, &campaign)?;
     seconds.diagnose_s = start.elapsed().as_secs_f64();
     let left_out = campaign.left_out.into_iter().map(|(run, error)| (run, error.what)).collect();
-    Ok((diagnosis, left_out))
+    Ok((findings, left_out))
 }
 
 /// The logs of a campaign laid over their programs, by repeat.
