@@ -11,11 +11,11 @@ use rayon::prelude::*;
 
 use super::curves::{self, Curve};
 use super::data::{Data, dot};
-use super::element::{Element, Form, Owner};
+use super::element::{Element, Owner};
 use super::joint::{self, Fitted};
 use super::noise::Noise;
 use super::screen::{Candidate, Screen};
-use crate::model::{CAUSES, Component, Seat};
+use crate::model::{Component, Form, Kind, Seat};
 
 /// More effects than this are not looked for at once.
 const MOST_EFFECTS: usize = 6;
@@ -78,6 +78,8 @@ pub(super) struct Chosen {
 pub(super) struct Search<'a> {
     pub(super) data: &'a mut Data,
     pub(super) screen: &'a mut Screen,
+    /// What was tried while nothing had been accepted.
+    pub(super) first: Vec<Tried>,
 }
 
 impl Search<'_> {
@@ -147,7 +149,15 @@ impl Search<'_> {
         while chosen.as_ref().map_or(0, |fitted| fitted.elements.len()) < most {
             let noise = Noise::of(self.data);
             let least = threshold_mm2(self.data, &noise);
-            let best = closely(self.data, self.screen.candidates(self.data), &noise, least);
+            let mut candidates = self.screen.candidates(self.data);
+            if chosen.iter().flat_map(|fitted| &fitted.elements).any(Element::is_common_delay) {
+                // Another delay that all slides have in common is a better estimate of the first one.
+                candidates.retain(|candidate| !candidate.element.is_common_delay());
+            }
+            let best = closely(self.data, candidates, &noise, least);
+            if chosen.is_none() && self.first.is_empty() {
+                self.first.clone_from(&best);
+            }
             let best = best.into_iter().next().filter(|best| best.score_mm2 > least);
             let curve = with_curves.then(|| curves::curves(&self.screen.channels, &noise));
             let curve: Option<Curve> = curve
@@ -218,7 +228,10 @@ impl Search<'_> {
         };
         let trace = self.outside(&own);
         let square: f64 = trace.iter().map(|c| dot(c, c)).sum();
-        let tried = closely(self.data, self.screen.candidates(self.data), &noise, 0.0);
+        let tried = match others {
+            None if !self.first.is_empty() => self.first.clone(),
+            _ => closely(self.data, self.screen.candidates(self.data), &noise, 0.0),
+        };
         let mut rivals = Vec::new();
         let mut better: Option<(Element, f64)> = None;
         for other in tried {
@@ -281,17 +294,17 @@ impl Search<'_> {
 fn alike(a: &Element, b: &Element) -> bool {
     let (Some(a), Some(b)) = (a.shape(), b.shape()) else { return false };
     let near = match (a.inner, b.inner) {
-        (Some(x), Some(y)) => (x / y - 1.0).abs() < 0.02 || a.cause.id == "drift",
+        (Some(x), Some(y)) => (x / y - 1.0).abs() < 0.02 || a.cause.kind == Kind::Drift,
         _ => true,
     };
-    a.cause.id == b.cause.id && a.seat == b.seat && near
+    a.cause.kind == b.cause.kind && a.seat == b.seat && near
 }
 
 /// Which of two explanations that do equally well is named first.
 fn simpler(a: &Element, b: &Element) -> Ordering {
     let rank = |element: &Element| {
         let Some(shape) = element.shape() else { return (usize::MAX, 0, 0) };
-        let cause = CAUSES.iter().position(|cause| cause.id == shape.cause.id).unwrap_or(0);
+        let cause = shape.cause.kind as usize;
         let seat = match shape.seat {
             Seat::Function(slide, component) if component as usize == slide.index() => 0,
             Seat::Function(_, component) if !component.is_angular() => 1,

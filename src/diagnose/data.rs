@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::joint::Fitted;
 use crate::align::Place;
 use crate::error::Result;
 use crate::identify::{Campaign, LinearSample, Options};
@@ -58,7 +59,10 @@ impl Data {
         let linear = campaign
             .repeats
             .par_iter()
-            .map(|repeat| repeat.linearised(&campaign.model(test, machine)?, &options, MOST))
+            .enumerate()
+            .map(|(index, repeat)| {
+                repeat.linearised(&campaign.model(test, machine, index)?, &options, MOST)
+            })
             .collect::<Result<Vec<_>>>()?;
         let mut arcs = 0_usize;
         let mut blocks: Vec<Block> = Vec::new();
@@ -124,6 +128,27 @@ impl Data {
     /// Sum of squares of what is left, mm².
     pub(super) fn squares_mm2(&self) -> f64 {
         self.left_mm.iter().flatten().map(|e| e * e).sum()
+    }
+
+    /// Gives the residuals back what effects had taken out of them, as far as the model does not follow.
+    pub(super) fn add_back(&mut self, fitted: &Fitted) {
+        let mut sum: Column = self.blocks.iter().map(|b| vec![0.0; b.samples.len()]).collect();
+        for (element, amplitudes) in fitted.elements.iter().zip(&fitted.amplitudes) {
+            for (amplitude, column) in amplitudes.iter().zip(element.columns(self)) {
+                for (sum, column) in sum.iter_mut().zip(column) {
+                    for (s, c) in sum.iter_mut().zip(column) {
+                        *s += amplitude * c;
+                    }
+                }
+            }
+        }
+        let effects = self.projected(&sum);
+        for (block, effect) in self.blocks.iter_mut().zip(effects) {
+            for (e, c) in block.residual_mm.iter_mut().zip(effect) {
+                *e += c;
+            }
+        }
+        self.accept(&[]);
     }
 
     /// Forgets the accepted effects and accepts these columns instead.

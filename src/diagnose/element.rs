@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::data::{Column, Data};
-use crate::model::{Empirical, Shape, Term};
+use crate::model::{Form, Kind, Seat, Shape, Term};
 
 /// Whether an effect is the same in all runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,15 +19,6 @@ pub enum Owner {
         /// Index of the run in it.
         run: usize,
     },
-}
-
-/// What an effect is: explained, or only described.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Form {
-    /// By a cause of the library.
-    Cause(Shape),
-    /// As a curve.
-    Empirical(Empirical),
 }
 
 /// An effect that takes part in the extended model.
@@ -55,10 +46,7 @@ impl Element {
 
     /// The term that it is.
     pub fn term(&self) -> &dyn Term {
-        match &self.form {
-            Form::Cause(shape) => shape,
-            Form::Empirical(empirical) => empirical,
-        }
+        self.form.term()
     }
 
     /// Its shape, where it has a cause.
@@ -69,11 +57,18 @@ impl Element {
         }
     }
 
+    /// Whether it is a following error that all slides have in common.
+    pub(super) fn is_common_delay(&self) -> bool {
+        self.shape().is_some_and(|s| s.cause.kind == Kind::Servo && s.seat == Seat::Whole)
+    }
+
     fn scale(&self) -> Option<Scale> {
-        match self.shape()?.cause.id {
-            "cyclic" => Some(Scale::Inverse),
-            "vibration" => Some(Scale::Plain),
-            "reversal-spike" | "pre-sliding" | "drift" | "stick-slip" => Some(Scale::Logarithm),
+        match self.shape()?.cause.kind {
+            Kind::Cyclic => Some(Scale::Inverse),
+            Kind::Vibration => Some(Scale::Plain),
+            Kind::ReversalSpike | Kind::PreSliding | Kind::Drift | Kind::StickSlip => {
+                Some(Scale::Logarithm)
+            }
             _ => None,
         }
     }

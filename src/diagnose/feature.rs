@@ -3,8 +3,8 @@
 //! What the model spans anyway, a cubic over the position of a slide or a constant over anything else, is
 //! in the knots by chance: it is taken off first, by a fit that heeds large values less and less.
 
-use super::element::{Element, Form};
-use crate::model::{Empirical, Variable};
+use super::element::Element;
+use crate::model::{Empirical, Form, Variable};
 use crate::solve::{Cholesky, Matrix};
 
 /// Fits of the trend; each heeds what stands out of the one before less.

@@ -14,7 +14,7 @@ use crate::solve::{Cholesky, Matrix};
 /// Steps of Gauss-Newton; a good start takes three.
 const MOST_STEPS: usize = 12;
 /// A step that lowers the sum of squares by less than this share of the gain is the last.
-const SETTLED: f64 = 1e-5;
+const SETTLED: f64 = 1e-4;
 
 /// Effects with everything that was estimated of them.
 #[derive(Debug, Clone)]

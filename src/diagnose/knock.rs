@@ -3,17 +3,17 @@
 use rayon::prelude::*;
 
 use super::data::{Data, dot};
-use super::element::{Element, Form, Owner};
+use super::element::{Element, Owner};
 use super::screen::{Candidate, SEEN};
 use crate::machine::Axis;
-use crate::model::{Ball, Cause, Seat, SetUp, Shape};
+use crate::model::{Ball, Form, Kind, Seat, SetUp, Shape};
 
 /// A step needs so many samples on either side, or it is a reading that went wrong.
 const FEWEST: usize = 20;
 
 /// The best moment of every run and direction.
 pub(super) fn candidates(data: &Data) -> Vec<Candidate> {
-    let Some(cause) = Cause::named("knock") else { return Vec::new() };
+    let cause = Kind::Knock.cause();
     let places: Vec<(usize, usize, Axis)> = data
         .blocks
         .iter()

@@ -17,11 +17,13 @@ mod curves;
 mod data;
 mod domains;
 mod element;
+mod extend;
 mod feature;
 mod floor;
 mod gain;
 mod joint;
 mod knock;
+mod model_file;
 mod moved;
 mod noise;
 mod numbers;
@@ -34,7 +36,7 @@ mod view;
 
 pub use arcs::ArcShare;
 pub use choose::{Rival, Told};
-pub use element::{Element, Form, Owner};
+pub use element::{Element, Owner};
 pub use feature::Feature;
 pub use floor::Structure;
 pub use picture::{Picture, Point};
@@ -57,23 +59,36 @@ use screen::Screen;
 pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<Diagnosis> {
     let mut data = Data::new(test, machine, campaign)?;
     let mut screen = Screen::new(&data, &campaign.terms);
-    let chosen = Search { data: &mut data, screen: &mut screen }.run();
+    let chosen = Search { data: &mut data, screen: &mut screen, first: Vec::new() }.run();
+    let before = data.blocks.iter().map(|b| b.residual_mm.clone()).collect::<Vec<_>>();
+    let structure_before = floor::structure(&data, &before, |_, _| true);
+    let extended = match chosen {
+        Some(chosen) => extend::extend(test, machine, campaign, chosen)?,
+        None => None,
+    };
+    let (chosen, extended) = match extended {
+        Some(extended) => {
+            data = extended.data;
+            data.accept(&extended.chosen.fitted.columns);
+            (Some(extended.chosen), Some(extended.campaign))
+        }
+        None => (None, None),
+    };
     let noise = Noise::of(&data);
     let samples = data.samples();
     let mean = |columns: &[Vec<f64>]| {
         (columns.iter().map(|c| dot(c, c)).sum::<f64>() / samples.max(1) as f64).sqrt()
     };
-    let before: Vec<Vec<f64>> = data.blocks.iter().map(|b| b.residual_mm.clone()).collect();
-    let fitted = chosen.as_ref().map(|chosen| &chosen.fitted);
     let left = data.left_mm.clone();
     // From here on, effects are fitted beside the model alone.
     data.accept(&[]);
-    let (runs, arcs) = gain::by_run(&data, &left, fitted);
-    let explained = fitted.and_then(|_| gain::explained(&arcs));
+    let fitted = chosen.as_ref().map(|chosen| &chosen.fitted);
+    let (runs, by_arc) = gain::by_run(&data, &left, fitted);
+    let explained = fitted.and_then(|_| gain::explained(&by_arc));
     let verdict = Verdict {
         before_mm: mean(&before),
         after_mm: mean(&left),
-        structure_before: floor::structure(&data, &before, |_, _| true),
+        structure_before,
         structure_after: floor::structure(&data, &left, |_, _| true),
         neighbours_mm: noise.neighbours_mm2.sqrt(),
         effective_samples: samples as f64 * noise.variance_mm2 / noise.long_run_mm2,
@@ -82,9 +97,17 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         smallest_mm: (choose::threshold_mm2(&data, &noise) / samples.max(1) as f64).sqrt(),
     };
     let programs = fitted.map_or_else(Vec::new, |fitted| gain::by_program(&data, fitted));
-    let moved = fitted
-        .map_or_else(Vec::new, |fitted| moved::moved(&data, campaign, fitted, noise.long_run_mm2));
-    let views = views(&data, campaign, &left, noise.long_run_mm2);
+    let moved = match (fitted, &extended) {
+        (Some(fitted), Some(extended)) => {
+            moved::moved(&data, campaign, extended, fitted, noise.long_run_mm2)
+        }
+        _ => Vec::new(),
+    };
+    // The samples and the times are those of the extended model from here on.
+    let shown = extended.as_ref().unwrap_or(campaign);
+    let views = views(&data, shown, &left, noise.long_run_mm2);
+    let without: Vec<Vec<f64>> = data.blocks.iter().map(|b| b.residual_mm.clone()).collect();
+    let arcs = arcs::arcs(&data, shown, &without, &left);
     let pictures = fitted.map_or_else(Vec::new, |fitted| {
         let of = |k| picture::picture(&data, fitted, k, &left, noise.long_run_mm2);
         (0..fitted.elements.len()).map(of).collect()
@@ -113,9 +136,10 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         unseen: Vec::new(),
         views,
         pictures,
-        arcs: arcs::arcs(&data, campaign, &before, &left),
+        arcs,
         left_out: campaign.left_out.iter().map(|(run, e)| (run.clone(), e.what.clone())).collect(),
         samples,
+        extended,
     })
 }
 

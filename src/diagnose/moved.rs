@@ -3,24 +3,22 @@
 use super::data::Data;
 use super::joint::Fitted;
 use super::result::Moved;
-use crate::identify::Campaign;
+use crate::identify::{Campaign, Estimate};
 
-/// Parameters of the model whose mean over the repeats moves by more than the sigma of one repeat.
+/// Parameters of the model whose mean over the repeats moves by more than its sigma in one repeat.
 ///
 /// With `c` the columns of the effects and `a` their amplitudes, the parameters of a repeat change by
 /// `- F Q^T c a`, and what is not known of the amplitudes goes into them the same way.
 pub(super) fn moved(
     data: &Data,
     campaign: &Campaign,
+    extended: &Campaign,
     fitted: &Fitted,
     long_run_mm2: f64,
 ) -> Vec<Moved> {
     let Some(first) = campaign.repeats.first() else { return Vec::new() };
-    let amplitudes: Vec<f64> = fitted.amplitudes.iter().flatten().copied().collect();
-    let count = amplitudes.len();
     let repeats = data.blocks.len() as f64;
     let parameters = first.estimates.len();
-    let mut change = vec![0.0; parameters];
     // Mean over the repeats of what one of each amplitude and number inside changes.
     let mut per_number = vec![vec![0.0; fitted.columns.len()]; parameters];
     for (index, block) in data.blocks.iter().enumerate() {
@@ -28,33 +26,32 @@ pub(super) fn moved(
         let along = block.along(&columns);
         for k in 0..parameters {
             for (j, along) in along.iter().enumerate() {
-                let by = -super::data::dot(block.factor.row(k), along);
-                per_number[k][j] += by / repeats;
-                if j < count {
-                    change[k] += by * amplitudes[j] / repeats;
-                }
+                per_number[k][j] -= super::data::dot(block.factor.row(k), along) / repeats;
             }
         }
     }
     (0..parameters)
         .filter_map(|k| {
-            let before =
-                campaign.repeats.iter().map(|r| r.estimates[k].value).sum::<f64>() / repeats;
-            let variance =
-                campaign.repeats.iter().map(|r| r.estimates[k].sigma.powi(2)).sum::<f64>()
-                    / repeats;
+            let mean = |campaign: &Campaign, of: &dyn Fn(&Estimate) -> f64| {
+                campaign.repeats.iter().map(|r| of(&r.estimates[k])).sum::<f64>() / repeats
+            };
+            let before = mean(campaign, &|estimate| estimate.value);
+            let after = mean(extended, &|estimate| estimate.value);
+            let sigma = |campaign| mean(campaign, &|estimate| estimate.sigma.powi(2)).sqrt();
+            let (sigma_before, sigma_after) = (sigma(campaign), sigma(extended));
             let further: f64 = (0..fitted.columns.len())
                 .flat_map(|i| (0..fitted.columns.len()).map(move |j| (i, j)))
                 .map(|(i, j)| per_number[k][i] * per_number[k][j] * fitted.inverse[(i, j)])
                 .sum();
             let estimate = &first.estimates[k];
-            (change[k].abs() > variance.sqrt() && variance > 0.0).then(|| Moved {
+            let moved = (after - before).abs() > sigma_after && sigma_after > 0.0;
+            moved.then(|| Moved {
                 name: estimate.parameter.name.clone(),
                 unit: estimate.parameter.unit,
                 before,
-                after: before + change[k],
-                sigma_before: variance.sqrt(),
-                sigma_after: (variance + long_run_mm2 * further.max(0.0)).sqrt(),
+                after,
+                sigma_before,
+                sigma_after: sigma_after.hypot((long_run_mm2 * further.max(0.0)).sqrt()),
             })
         })
         .collect()

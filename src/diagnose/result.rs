@@ -6,6 +6,7 @@ use super::element::{Element, Owner};
 use super::floor::Structure;
 use super::picture::Picture;
 use super::view::View;
+use crate::identify::Campaign;
 use crate::model::Effect;
 
 /// A number of a finding, as it is written.
@@ -119,7 +120,7 @@ pub struct Verdict {
 }
 
 /// What the model gets wrong.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Diagnosis {
     /// Is anything wrong?
     pub verdict: Verdict,
@@ -143,6 +144,8 @@ pub struct Diagnosis {
     pub left_out: Vec<(String, String)>,
     /// Samples that were looked at.
     pub samples: usize,
+    /// The campaign identified anew with the effects; `None` where there are none.
+    pub extended: Option<Campaign>,
 }
 
 impl Diagnosis {

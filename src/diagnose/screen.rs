@@ -6,19 +6,20 @@ use rayon::prelude::*;
 
 use super::channel::Channel;
 use super::data::Data;
-use super::element::{Element, Form, Owner};
+use super::element::{Element, Owner};
 use super::joint::System;
 use super::knock;
 use super::vibration;
 use crate::machine::Axis;
-use crate::model::{
-    Ball, CAUSES, Cause, Coefficient, Component, Power, Seat, SetUp, Shape, Variable,
-};
+use crate::model::{Ball, Coefficient, Component, Form, Kind, Power, Seat, SetUp, Shape, Variable};
 
 /// The shortest period looked for, mm: a reading every 0.83 mm still tells it.
 const SHORTEST_MM: f64 = 2.0;
 /// Periods of one error function that are looked at closely.
 const PERIODS: usize = 4;
+/// Peaks this close, in steps of a fifth of a wave over the way, are side lobes of the higher one; what is left
+/// of the lower one when that is accounted for is looked at then.
+const SIDE_LOBES: usize = 12;
 /// Waves shorter than this part of the way are not followed by the cubics.
 const FAST: f64 = 6.0;
 /// An effect of which less than this part of its square is left outside of the model is not seen.
@@ -38,11 +39,6 @@ pub(super) struct Screen {
     pub(super) channels: Vec<Channel>,
     /// Causes that hang on nothing that is gathered: pass over the samples each.
     direct: Vec<(Element, System)>,
-}
-
-fn named(id: &str) -> &'static Cause {
-    // The table and this file are one: a name that is not in it is found by the first test.
-    CAUSES.iter().find(|cause| cause.id == id).unwrap_or(&CAUSES[0])
 }
 
 /// Numbers from one to another, evenly in the logarithm.
@@ -90,7 +86,7 @@ impl Screen {
             .collect();
         let mut direct: Vec<Shape> = (3..=6)
             .map(|degree| Shape {
-                cause: named("roundness"),
+                cause: Kind::Roundness.cause(),
                 seat: Seat::Whole,
                 inner: Some(f64::from(degree)),
             })
@@ -99,13 +95,13 @@ impl Screen {
             Coefficient::all()
                 .filter(|coefficient| !terms.iter().any(|term| *term == coefficient.to_string()))
                 .map(|coefficient| Shape {
-                    cause: named("coefficient"),
+                    cause: Kind::Coefficient.cause(),
                     seat: Seat::Coefficient(coefficient),
                     inner: None,
                 }),
         );
         direct.extend(grid(1e-3, 40e-3, 24).into_iter().map(|delay_s| Shape {
-            cause: named("servo"),
+            cause: Kind::Servo.cause(),
             seat: Seat::Whole,
             inner: Some(delay_s),
         }));
@@ -148,7 +144,7 @@ impl Screen {
 /// The causes that hang on a channel's variable.
 fn of_channel(channel: &Channel) -> Vec<Candidate> {
     let place = channel.place;
-    let one = |id: &str, inners: &[Option<f64>], shape: &dyn Fn(f64, f64) -> f64| {
+    let one = |kind: Kind, inners: &[Option<f64>], shape: &dyn Fn(f64, f64) -> f64| {
         let best = inners
             .iter()
             .filter_map(|inner| {
@@ -159,7 +155,7 @@ fn of_channel(channel: &Channel) -> Vec<Candidate> {
             })
             .max_by(|a, b| a.1.total_cmp(&b.1));
         best.map(|(inner, gain_mm2)| {
-            let shape = Shape { cause: named(id), seat: place.seat, inner };
+            let shape = Shape { cause: kind.cause(), seat: place.seat, inner };
             Candidate { element: Element::shared(shape), gain_mm2 }
         })
     };
@@ -168,32 +164,34 @@ fn of_channel(channel: &Channel) -> Vec<Candidate> {
         (Variable::Position(_), false) => {
             let power = |h: f64, degree: f64| (h / 100.0).powi(degree as i32);
             let mut found = cyclic(channel);
-            found.extend([4.0, 5.0].iter().filter_map(|d| one("degree", &[Some(*d)], &power)));
+            found.extend([4.0, 5.0].iter().filter_map(|d| one(Kind::Degree, &[Some(*d)], &power)));
             found
         }
         (Variable::Position(_), true) => {
-            one("growing-backlash", &[None], &|h, _| h).into_iter().collect()
+            one(Kind::GrowingBacklash, &[None], &|h, _| h).into_iter().collect()
         }
         (Variable::WaySinceReversal(_), _) => {
             let ways = some(grid(0.02, 60.0, 16));
             let shape = |s: f64, distance: f64| 1.0 - 2.0 * (-s / distance).exp();
-            one("pre-sliding", &ways, &shape).into_iter().collect()
+            one(Kind::PreSliding, &ways, &shape).into_iter().collect()
         }
         (Variable::Velocity(_), false) if matches!(place.seat, Seat::Slide(_)) => {
-            one("servo", &[None], &|v, _| -v).into_iter().collect()
+            one(Kind::Servo, &[None], &|v, _| -v).into_iter().collect()
         }
         (Variable::Velocity(_), true) => {
             let speeds = some(grid(0.05, 20.0, 12));
-            one("stick-slip", &speeds, &|v, speed| -(-v.abs() / speed).exp()).into_iter().collect()
+            one(Kind::StickSlip, &speeds, &|v, speed| -(-v.abs() / speed).exp())
+                .into_iter()
+                .collect()
         }
         (Variable::SinceReversal(_), _) => {
             let decays = some(grid(0.05, 20.0, 14));
-            one("reversal-spike", &decays, &|t, decay| (-t / decay).exp()).into_iter().collect()
+            one(Kind::ReversalSpike, &decays, &|t, decay| (-t / decay).exp()).into_iter().collect()
         }
         (Variable::Elapsed, _) => {
             let last = channel.centers.iter().copied().fold(1.0, f64::max);
             let constants = some(grid(0.03 * last, 20.0 * last, 14));
-            one("drift", &constants, &|t, constant| -(-t.max(0.0) / constant).exp_m1())
+            one(Kind::Drift, &constants, &|t, constant| -(-t.max(0.0) / constant).exp_m1())
                 .into_iter()
                 .collect()
         }
@@ -245,14 +243,20 @@ fn cyclic(channel: &Channel) -> Vec<Candidate> {
         })
         .collect();
     peaks.sort_by(|a, b| gains[*b].total_cmp(&gains[*a]));
-    peaks
+    let mut apart: Vec<usize> = Vec::new();
+    for peak in peaks {
+        if apart.iter().all(|other| other.abs_diff(peak) > SIDE_LOBES) {
+            apart.push(peak);
+        }
+    }
+    apart
         .into_iter()
         .take(PERIODS)
         .filter_map(|k| {
             let number = 0.8 / way_mm + k as f64 * step;
             let explained = channel.explained(&waves(number), 1e-6)?;
             let shape = Shape {
-                cause: named("cyclic"),
+                cause: Kind::Cyclic.cause(),
                 seat: channel.place.seat,
                 inner: Some(number.recip()),
             };

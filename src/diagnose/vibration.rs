@@ -4,10 +4,10 @@ use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
 use super::data::Data;
-use super::element::{Element, Form, Owner};
+use super::element::{Element, Owner};
 use super::screen::Candidate;
 use crate::machine::Axis;
-use crate::model::{Ball, Cause, Seat, SetUp, Shape};
+use crate::model::{Ball, Form, Kind, Seat, SetUp, Shape};
 
 /// Slower than this is no vibration, Hz.
 const SLOWEST_HZ: f64 = 0.05;
@@ -38,7 +38,7 @@ impl Spectrum {
 
 /// The strongest lines of every direction, with the frequencies that they may be aliases of.
 pub(super) fn candidates(data: &Data) -> Vec<Candidate> {
-    let Some(cause) = Cause::named("vibration") else { return Vec::new() };
+    let cause = Kind::Vibration.cause();
     let balls = Axis::ALL.map(|axis| Seat::Ball(SetUp { ball: Ball::Tool, axis }));
     let mut found = Vec::new();
     let mut planner = FftPlanner::new();

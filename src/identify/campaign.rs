@@ -9,7 +9,7 @@ use crate::align;
 use crate::error::{Error, Result};
 use crate::log;
 use crate::machine::{Machine, Mounting};
-use crate::model::{self, Model};
+use crate::model::{self, Form, Held, Model};
 use crate::nc;
 use crate::plan::{Run, Test};
 
@@ -42,6 +42,8 @@ pub struct Campaign {
     pub terms: Vec<String>,
     /// The repeats.
     pub repeats: Vec<Identification>,
+    /// Effects that each repeat was identified with beside the terms.
+    pub held: Vec<Vec<Held>>,
     /// Runs that take no part, with the reason.
     pub left_out: Vec<(String, Error)>,
 }
@@ -98,7 +100,6 @@ impl Campaign {
         failure: Failure,
         finished: &(dyn Fn() + Sync),
     ) -> Result<Self> {
-        let names: Vec<String> = test.mountings().iter().map(|m| m.name.clone()).collect();
         let options = Options::of(test);
         let mut terms = test.estimation().terms.clone();
         if let Some(first) = aligned.first_mut() {
@@ -107,15 +108,15 @@ impl Campaign {
             let runs = std::mem::take(first);
             (terms, *first) = explicit_terms(&terms, machine, &mountings, runs, &options)?;
         }
+        let empty = Self { terms, repeats: Vec::new(), held: Vec::new(), left_out: Vec::new() };
         let results: Vec<(String, Result<Identification>)> = aligned
             .into_par_iter()
             .map(|inputs| {
                 let of: Vec<&str> = inputs.iter().map(|run| run.name.as_str()).collect();
                 let of = of.join(", ");
-                let mountings = test.mountings().iter().map(|m| m.mounting).collect();
-                let identified = model::terms(&terms, &names).and_then(|terms| {
-                    identify(&Model::new(machine, mountings, terms), inputs, &options)
-                });
+                let identified = empty
+                    .model_with(test, machine, &[])
+                    .and_then(|model| identify(&model, inputs, &options));
                 finished();
                 (of, identified)
             })
@@ -131,14 +132,61 @@ impl Campaign {
         match left_out.first() {
             // Nothing is left: the first reason is as good as any.
             Some((_, error)) if repeats.is_empty() => Err(error.clone()),
-            _ => Ok(Self { terms, repeats, left_out }),
+            _ => Ok(Self {
+                terms: empty.terms,
+                held: vec![Vec::new(); repeats.len()],
+                repeats,
+                left_out,
+            }),
         }
     }
 
-    /// The model of each repeat, without further effects.
-    pub fn model<'a>(&self, test: &Test, machine: &'a Machine) -> Result<Model<'a>> {
+    /// The model that a repeat was identified with.
+    pub fn model<'a>(&self, test: &Test, machine: &'a Machine, repeat: usize) -> Result<Model<'a>> {
+        self.model_with(test, machine, self.held.get(repeat).map_or(&[], Vec::as_slice))
+    }
+
+    /// The terms of the campaign with the test's curves and effects held beside them.
+    pub fn model_with<'a>(
+        &self,
+        test: &Test,
+        machine: &'a Machine,
+        held: &[Held],
+    ) -> Result<Model<'a>> {
         let names: Vec<String> = test.mountings().iter().map(|m| m.name.clone()).collect();
         let mountings = test.mountings().iter().map(|m| m.mounting).collect();
-        Ok(Model::new(machine, mountings, model::terms(&self.terms, &names)?))
+        let mut terms = model::terms(&self.terms, &names)?;
+        let curves = test.estimation().curves.iter().map(|(curve, values)| Held {
+            form: Form::Empirical(curve.clone()),
+            amplitudes: vec![values.clone(); test.mountings().len()],
+        });
+        for held in curves.chain(held.iter().cloned()) {
+            terms.push(Box::new(held));
+        }
+        Ok(Model::new(machine, mountings, terms))
+    }
+
+    /// The same repeats identified with effects held beside the terms, one list a repeat.
+    ///
+    /// # Errors
+    /// When a repeat cannot be identified so.
+    pub fn with_held(&self, test: &Test, machine: &Machine, held: Vec<Vec<Held>>) -> Result<Self> {
+        let options = Options::of(test);
+        let extended = Self {
+            terms: self.terms.clone(),
+            repeats: Vec::new(),
+            held,
+            left_out: self.left_out.clone(),
+        };
+        let repeats = self
+            .repeats
+            .par_iter()
+            .enumerate()
+            .map(|(index, repeat)| {
+                let model = extended.model(test, machine, index)?;
+                identify(&model, repeat.runs.clone(), &options)
+            })
+            .collect::<Result<Vec<_>>>()?;
+        Ok(Self { repeats, ..extended })
     }
 }

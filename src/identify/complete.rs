@@ -36,7 +36,9 @@ pub fn explicit_terms(
     if !terms.iter().any(|name| name == COMPLETE) {
         return Ok((terms.to_vec(), runs));
     }
-    let order = order_of(terms)?;
+    let (effects, terms): (Vec<String>, Vec<String>) =
+        terms.iter().cloned().partition(|name| name.contains(':'));
+    let order = order_of(&terms)?;
     let names: Vec<String> = mountings.iter().map(|(name, _)| name.clone()).collect();
     let balls = mountings.iter().map(|(_, mounting)| *mounting).collect();
     let model = Model::new(machine, balls, model::terms(&order, &names)?);
@@ -52,7 +54,8 @@ pub fn explicit_terms(
     let floor = Truncation::Effect(fit.floor(triangle.rows()));
     let choice = triangle.choose(&columns, &fit.references(&triangle), floor)?;
     let kept = choice.kept.iter().filter_map(|&k| parameters.get(k));
-    Ok((kept.map(|parameter| parameter.name.clone()).collect(), fit.runs))
+    let kept = kept.map(|parameter| parameter.name.clone()).chain(effects).collect();
+    Ok((kept, fit.runs))
 }
 
 /// How many of these names are coefficients, and how many set-up errors.

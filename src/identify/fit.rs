@@ -265,13 +265,13 @@ impl<'a> Fit<'a> {
     /// times, and how well the times are known on which samples take part.
     pub(super) fn foresee_times(&mut self) -> Result<()> {
         for _ in 0..2 {
-            self.taking_part = residuals::taking_part(&self.runs, 0.0);
+            self.taking_part = residuals::taking_part(&self.runs, timing::Detail::Full.guard_s());
             let triangle = self.triangle()?;
             let floor = Truncation::Effect(self.floor(triangle.rows()));
             let covariance = self.spectrum(&triangle)?.solve(floor).covariance_unscaled();
             self.state_times(&covariance);
         }
-        self.taking_part = residuals::taking_part(&self.runs, 0.0);
+        self.taking_part = residuals::taking_part(&self.runs, timing::Detail::Full.guard_s());
         Ok(())
     }
 

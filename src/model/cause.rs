@@ -44,9 +44,37 @@ pub struct Key {
 /// The name of the key whose unit hangs on the seat.
 pub const AMPLITUDE: &str = "amplitude";
 
+/// Which cause, for those who work it out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[expect(missing_docs, reason = "the table of causes says what each is")]
+pub enum Kind {
+    Cyclic,
+    Servo,
+    ReversalSpike,
+    GrowingBacklash,
+    PreSliding,
+    Drift,
+    Knock,
+    BarLength,
+    Roundness,
+    Degree,
+    Vibration,
+    StickSlip,
+    FeedOverride,
+    Clock,
+    BallPlace,
+    Pivot,
+    Coefficient,
+    Bump,
+    Joint,
+    FrictionTilt,
+}
+
 /// One cause.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cause {
+    /// Which it is.
+    pub kind: Kind,
     /// Its name, such as `cyclic`.
     pub id: &'static str,
     /// In words.
@@ -85,6 +113,7 @@ const MINUTE_S: f64 = 60.0;
 /// All causes, in the order in which equally good ones are named.
 pub const CAUSES: &[Cause] = &[
     Cause {
+        kind: Kind::Cyclic,
         id: "cyclic",
         title: "cyclic error of a screw or scale",
         seat: SeatKind::Function,
@@ -100,6 +129,7 @@ pub const CAUSES: &[Cause] = &[
         known: true,
     },
     Cause {
+        kind: Kind::Servo,
         id: "servo",
         title: "servo mismatch: following error of a slide",
         seat: SeatKind::Slides,
@@ -111,6 +141,7 @@ pub const CAUSES: &[Cause] = &[
         known: true,
     },
     Cause {
+        kind: Kind::ReversalSpike,
         id: "reversal-spike",
         title: "reversal spike of a slide",
         seat: SeatKind::Slide,
@@ -122,6 +153,7 @@ pub const CAUSES: &[Cause] = &[
         known: true,
     },
     Cause {
+        kind: Kind::GrowingBacklash,
         id: "growing-backlash",
         title: "backlash that grows along a slide",
         seat: SeatKind::Function,
@@ -133,6 +165,7 @@ pub const CAUSES: &[Cause] = &[
         known: true,
     },
     Cause {
+        kind: Kind::PreSliding,
         id: "pre-sliding",
         title: "backlash that builds up over a distance",
         seat: SeatKind::Function,
@@ -144,6 +177,7 @@ pub const CAUSES: &[Cause] = &[
         known: true,
     },
     Cause {
+        kind: Kind::Drift,
         id: "drift",
         title: "thermal drift",
         seat: SeatKind::Body,
@@ -155,6 +189,7 @@ pub const CAUSES: &[Cause] = &[
         known: true,
     },
     Cause {
+        kind: Kind::Knock,
         id: "knock",
         title: "knock: a ball moved once",
         seat: SeatKind::Ball,
@@ -170,6 +205,7 @@ pub const CAUSES: &[Cause] = &[
         known: true,
     },
     Cause {
+        kind: Kind::BarLength,
         id: "bar-length",
         title: "calibrated length of the bar",
         seat: SeatKind::None,
@@ -181,6 +217,7 @@ pub const CAUSES: &[Cause] = &[
         known: true,
     },
     Cause {
+        kind: Kind::Roundness,
         id: "roundness",
         title: "roundness of a ball or its seat",
         seat: SeatKind::None,
@@ -196,6 +233,7 @@ pub const CAUSES: &[Cause] = &[
         known: true,
     },
     Cause {
+        kind: Kind::Degree,
         id: "degree",
         title: "higher degree of an error function",
         seat: SeatKind::Function,
@@ -207,6 +245,7 @@ pub const CAUSES: &[Cause] = &[
         known: true,
     },
     Cause {
+        kind: Kind::Vibration,
         id: "vibration",
         title: "vibration at a fixed frequency",
         seat: SeatKind::Reading,
@@ -222,6 +261,7 @@ pub const CAUSES: &[Cause] = &[
         known: true,
     },
     Cause {
+        kind: Kind::StickSlip,
         id: "stick-slip",
         title: "stick-slip: friction near standstill of a slide",
         seat: SeatKind::Slide,
@@ -233,6 +273,7 @@ pub const CAUSES: &[Cause] = &[
         known: true,
     },
     Cause {
+        kind: Kind::FeedOverride,
         id: "feed-override",
         title: "feed override other than stated",
         seat: SeatKind::None,
@@ -244,6 +285,7 @@ pub const CAUSES: &[Cause] = &[
         known: true,
     },
     Cause {
+        kind: Kind::Clock,
         id: "clock",
         title: "clock of the instrument",
         seat: SeatKind::None,
@@ -255,6 +297,7 @@ pub const CAUSES: &[Cause] = &[
         known: true,
     },
     Cause {
+        kind: Kind::BallPlace,
         id: "ball-place",
         title: "place of the balls other than in the test file",
         seat: SeatKind::Ball,
@@ -266,6 +309,7 @@ pub const CAUSES: &[Cause] = &[
         known: true,
     },
     Cause {
+        kind: Kind::Pivot,
         id: "pivot",
         title: "pivot other than in the machine file",
         seat: SeatKind::Slide,
@@ -277,6 +321,7 @@ pub const CAUSES: &[Cause] = &[
         known: true,
     },
     Cause {
+        kind: Kind::Coefficient,
         id: "coefficient",
         title: "coefficient that the chosen terms leave out",
         seat: SeatKind::Coefficient,
@@ -288,6 +333,7 @@ pub const CAUSES: &[Cause] = &[
         known: true,
     },
     Cause {
+        kind: Kind::Bump,
         id: "bump",
         title: "local fault of a guideway",
         seat: SeatKind::Function,
@@ -303,6 +349,7 @@ pub const CAUSES: &[Cause] = &[
         known: false,
     },
     Cause {
+        kind: Kind::Joint,
         id: "joint",
         title: "step where a guideway is joined",
         seat: SeatKind::Function,
@@ -318,6 +365,7 @@ pub const CAUSES: &[Cause] = &[
         known: false,
     },
     Cause {
+        kind: Kind::FrictionTilt,
         id: "friction-tilt",
         title: "tilt of a slide by friction that rises with speed",
         seat: SeatKind::Angle,
@@ -330,9 +378,30 @@ pub const CAUSES: &[Cause] = &[
     },
 ];
 
+impl Kind {
+    /// The cause of this kind.
+    pub fn cause(self) -> &'static Cause {
+        // The table is in the order of the kinds.
+        &CAUSES[self as usize]
+    }
+}
+
 impl Cause {
     /// The cause of a name.
     pub fn named(id: &str) -> Option<&'static Self> {
         CAUSES.iter().find(|cause| cause.id == id)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_is_in_the_order_of_the_kinds() {
+        for (index, cause) in CAUSES.iter().enumerate() {
+            assert_eq!(cause.kind as usize, index);
+            assert_eq!(cause.kind.cause().id, cause.id);
+        }
     }
 }

@@ -181,7 +181,7 @@ impl Effect {
         })?;
         let mut values: Vec<Option<f64>> = vec![None; cause.keys.len()];
         for (name, number) in numbers {
-            let known = cause.keys.iter().position(|key| written(key, seat).0 == *name);
+            let known = cause.keys.iter().position(|key| key.written(seat).0 == *name);
             let index = known.ok_or_else(|| refuse(format!("`{id}` has no `{name}`")))?;
             let key = &cause.keys[index];
             let [low, high] = key.limits;
@@ -190,14 +190,14 @@ impl Effect {
                     "`{name}` of `{id}` must be from {low} to {high}, not {number}"
                 )));
             }
-            values[index] = Some(number * written(key, seat).1);
+            values[index] = Some(number * key.written(seat).1);
         }
         let values = values
             .into_iter()
             .zip(cause.keys)
             .map(|(value, key)| {
                 value.or_else(|| key.default.map(|d| d * key.si)).ok_or_else(|| {
-                    refuse(format!("`{id}` does not say its `{}`", written(key, seat).0))
+                    refuse(format!("`{id}` does not say its `{}`", key.written(seat).0))
                 })
             })
             .collect::<Result<_>>()?;
@@ -208,7 +208,7 @@ impl Effect {
     pub fn written(&self) -> Vec<(String, f64)> {
         let each = self.cause.keys.iter().zip(&self.values);
         each.map(|(key, value)| {
-            let (name, si) = written(key, self.seat);
+            let (name, si) = key.written(self.seat);
             // Without the last digits, which a change of units leaves behind.
             let number = value / si;
             let digits = 1e12 / 10f64.powi(number.abs().max(1e-30).log10().floor() as i32);
@@ -235,7 +235,7 @@ impl Effect {
             SeatKind::None => "",
         };
         let seat = Seat::parse(on.trim_start_matches("on=")).unwrap_or(Seat::Whole);
-        let keys = cause.keys.iter().map(|key| format!("{}=...", written(key, seat).0));
+        let keys = cause.keys.iter().map(|key| format!("{}=...", key.written(seat).0));
         let on = Some(on.to_owned()).filter(|on| !on.is_empty());
         let parts: Vec<String> = on.into_iter().chain(keys).collect();
         let or = match cause.seat {
@@ -249,13 +249,15 @@ impl Effect {
     }
 }
 
-/// The name of a key as it is written for a seat, and its factor.
-fn written(key: &Key, seat: Seat) -> (String, f64) {
-    if key.name != AMPLITUDE {
-        return (key.name.to_owned(), key.si);
+impl Key {
+    /// Its name as it is written for a seat, and the factor to mm, s, rad.
+    pub fn written(&self, seat: Seat) -> (String, f64) {
+        if self.name != AMPLITUDE {
+            return (self.name.to_owned(), self.si);
+        }
+        let (unit, si) = seat.amplitude_unit();
+        (format!("{AMPLITUDE}_{unit}"), si)
     }
-    let (unit, si) = seat.amplitude_unit();
-    (format!("{AMPLITUDE}_{unit}"), si)
 }
 
 impl fmt::Display for Effect {

@@ -1,7 +1,7 @@
 //! Named sets of terms.
 
 use super::term::SetUpTerm;
-use super::{Ball, Coefficient, SetUp, Term};
+use super::{Ball, Coefficient, SetUp, Shape, Term};
 use crate::error::{Error, Result};
 
 /// The set that is chosen by what a test can see; as a list of names it stands for all.
@@ -71,7 +71,8 @@ pub fn coefficients(set: &str) -> Option<Vec<Coefficient>> {
 /// Each entry is the name of a set, of a coefficient or of a set-up error; `-NAME` leaves one out
 /// again. A named set brings the set-up errors of the tool ball, `all` also those of the workpiece
 /// ball. `mountings` names the mountings; each has set-up errors of its own, and `EXt@A` is the one of
-/// mounting `A` alone.
+/// mounting `A` alone. An effect is a term, too, by its cause: `cyclic:on=EXX,period_mm=10` estimates the
+/// amplitudes of that period; see [`Shape::parse`].
 ///
 /// # Errors
 /// An unknown name, with the nearest names in the hint; an empty selection.
@@ -80,7 +81,12 @@ pub fn terms(names: &[String], mountings: &[String]) -> Result<Vec<Box<dyn Term>
     // Each for all mountings or for one.
     let mut set_ups: Vec<(SetUp, usize)> = Vec::new();
     let everywhere = |set_up: SetUp| (0..mountings.len()).map(move |mounting| (set_up, mounting));
+    let mut effects: Vec<Shape> = Vec::new();
     for name in names {
+        if name.contains(':') {
+            effects.push(Shape::parse(name)?);
+            continue;
+        }
         if let Some(of_set) = coefficients(name) {
             chosen.extend(of_set);
             let brought =
@@ -116,7 +122,7 @@ pub fn terms(names: &[String], mountings: &[String]) -> Result<Vec<Box<dyn Term>
     chosen.dedup();
     set_ups.sort_by_key(|&(set_up, mounting)| (mounting, set_up));
     set_ups.dedup();
-    if chosen.is_empty() && set_ups.is_empty() {
+    if chosen.is_empty() && set_ups.is_empty() && effects.is_empty() {
         return Err(Error::input("no terms are chosen")
             .hint("name a set such as `observable35`, or coefficients"));
     }
@@ -128,6 +134,11 @@ pub fn terms(names: &[String], mountings: &[String]) -> Result<Vec<Box<dyn Term>
         let mounting_name =
             if mountings.len() > 1 { mountings[mounting].clone() } else { String::new() };
         terms.push(Box::new(SetUpTerm { set_up, mounting, mounting_name }));
+    }
+    for (index, effect) in effects.iter().enumerate() {
+        if !effects[..index].contains(effect) {
+            terms.push(Box::new(effect.clone()));
+        }
     }
     Ok(terms)
 }
@@ -159,6 +170,11 @@ mod tests {
         assert_eq!(one_of_two.len(), 1);
         assert_eq!(one_of_two[0].parameters()[0].name, "EXt@B");
         assert!(terms(&["EXt@C".into()], &["A".into(), "B".into()]).is_err());
+        let wave = terms(&["cyclic:on=EXX,period_mm=10".into()], &["A".into()]).unwrap();
+        let names: Vec<String> = wave[0].parameters().into_iter().map(|p| p.name).collect();
+        assert_eq!(names, ["cyclic EXX 10 mm sin", "cyclic EXX 10 mm cos"]);
+        assert!(terms(&["cyclic:on=EXX".into()], &["A".into()]).is_err(), "no period");
+        assert!(terms(&["clock:ppm=10".into()], &["A".into()]).is_err(), "no column");
     }
 
     #[test]

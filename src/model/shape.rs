@@ -8,9 +8,10 @@ use std::f64::consts::TAU;
 
 use nalgebra::Vector3;
 
-use super::cause::Cause;
+use super::cause::{Cause, Kind};
 use super::harmonics::harmonics;
 use super::{Ball, Corner, Effect, Motion, Parameter, Seat, Situation, Term};
+use crate::error::{Error, Result};
 use crate::machine::{ChainErrors, Pose};
 
 impl Seat {
@@ -89,23 +90,26 @@ pub struct Shape {
 impl Shape {
     /// The name of the inner number among the keys of its cause.
     pub fn inner_key(cause: &Cause, seat: Seat) -> Option<&'static str> {
-        Some(match cause.id {
-            "servo" if seat == Seat::Whole => "delay_ms",
-            "cyclic" => "period_mm",
-            "reversal-spike" => "decay_ms",
-            "pre-sliding" => "distance_mm",
-            "drift" => "time_constant_s",
-            "knock" => "moment_s",
-            "roundness" | "degree" => "degree",
-            "vibration" => "frequency_hz",
-            "stick-slip" => "speed_mm_min",
+        Some(match cause.kind {
+            Kind::Servo if seat == Seat::Whole => "delay_ms",
+            Kind::Cyclic => "period_mm",
+            Kind::ReversalSpike => "decay_ms",
+            Kind::PreSliding => "distance_mm",
+            Kind::Drift => "time_constant_s",
+            Kind::Knock => "moment_s",
+            Kind::Roundness | Kind::Degree => "degree",
+            Kind::Vibration => "frequency_hz",
+            Kind::StickSlip => "speed_mm_min",
             _ => return None,
         })
     }
 
     /// The shape of an effect; `None` for a cause that has no column of its own.
     pub fn of(effect: &Effect) -> Option<Self> {
-        let bends = !matches!(effect.cause.id, "feed-override" | "clock" | "ball-place" | "pivot");
+        let bends = !matches!(
+            effect.cause.kind,
+            Kind::FeedOverride | Kind::Clock | Kind::BallPlace | Kind::Pivot
+        );
         (effect.cause.known && bends).then(|| Self {
             cause: effect.cause,
             seat: effect.seat,
@@ -113,12 +117,51 @@ impl Shape {
         })
     }
 
+    /// Reads `CAUSE:on=SEAT,inner=number`: an effect without its amplitude, as the name of a term.
+    ///
+    /// # Errors
+    /// As [`Effect::parse`]; a cause that no column stands for.
+    pub fn parse(text: &str) -> Result<Self> {
+        let (id, rest) = text.split_once(':').unwrap_or((text, ""));
+        let given = |name: &str| {
+            rest.split(',').any(|pair| pair.split('=').next().is_some_and(|key| key.trim() == name))
+        };
+        let mut whole = text.to_owned();
+        if let Some(cause) = Cause::named(id) {
+            let on = rest.split(',').find_map(|pair| pair.trim().strip_prefix("on="));
+            let seat = on.and_then(Seat::parse).unwrap_or(Seat::Whole);
+            let inner = Self::inner_key(cause, seat);
+            for key in cause.keys.iter().filter(|key| Some(key.name) != inner) {
+                let name = key.written(seat).0;
+                if !given(&name) {
+                    whole.push_str(&format!(",{name}={}", key.default.unwrap_or(1.0)));
+                }
+            }
+        }
+        let effect = Effect::parse(&whole)?;
+        Self::of(&effect).ok_or_else(|| {
+            Error::input(format!("`{id}` is no term: it is not one column of the model"))
+                .hint("terms are causes that act on a seat, such as `cyclic:on=EXX,period_mm=10`")
+        })
+    }
+
+    /// The name as a term: what [`parse`](Self::parse) reads.
+    pub fn term_name(&self) -> String {
+        let on = (self.seat != Seat::Whole).then(|| format!("on={}", self.seat));
+        let inner = Self::inner_key(self.cause, self.seat).zip(self.inner).map(|(key, inner)| {
+            let si = self.cause.keys.iter().find(|k| k.name == key).map_or(1.0, |k| k.si);
+            format!("{key}={}", (inner / si * 1e9).round() / 1e9)
+        });
+        let parts: Vec<String> = on.into_iter().chain(inner).collect();
+        format!("{}:{}", self.cause.id, parts.join(","))
+    }
+
     /// How many amplitudes it has.
     pub fn amplitudes(&self) -> usize {
-        match self.cause.id {
+        match self.cause.kind {
             // Sine and cosine.
-            "cyclic" | "vibration" => 2,
-            "roundness" => 2 * self.inner.unwrap_or(0.0) as usize + 1,
+            Kind::Cyclic | Kind::Vibration => 2,
+            Kind::Roundness => 2 * self.inner.unwrap_or(0.0) as usize + 1,
             _ => 1,
         }
     }
@@ -132,29 +175,29 @@ impl Shape {
         };
         let (h_mm, b) = (pose.position_mm[slide], pose.sense[slide]);
         let wave = |turns: f64, out: &mut [f64]| (out[0], out[1]) = (turns * TAU).sin_cos();
-        match self.cause.id {
-            "cyclic" => wave(h_mm / inner, out),
-            "vibration" => wave(motion.elapsed_s * inner, out),
+        match self.cause.kind {
+            Kind::Cyclic => wave(h_mm / inner, out),
+            Kind::Vibration => wave(motion.elapsed_s * inner, out),
             // A delay that all slides have in common is one of the log. What is not is that commanded
             // position and velocity do not turn the corner at the same time.
-            "servo" if self.seat == Seat::Whole => {
+            Kind::Servo if self.seat == Seat::Whole => {
                 let Corner { ahead_s, jump_mm_s } = motion.corner;
                 out[0] = if ahead_s < inner { -ahead_s * jump_mm_s.dot(direction) } else { 0.0 };
             }
-            "servo" => out[0] = -motion.velocity_mm_s[slide],
-            "reversal-spike" => {
+            Kind::Servo => out[0] = -motion.velocity_mm_s[slide],
+            Kind::ReversalSpike => {
                 out[0] = motion.reversals[slide].map_or(0.0, |r| b * (-r.ago_s / inner).exp());
             }
-            "growing-backlash" => out[0] = b * h_mm,
-            "pre-sliding" => {
+            Kind::GrowingBacklash => out[0] = b * h_mm,
+            Kind::PreSliding => {
                 let left = motion.reversals[slide].map_or(0.0, |r| (-r.ago_mm / inner).exp());
                 out[0] = b * (1.0 - 2.0 * left);
             }
-            "drift" => out[0] = -(-motion.elapsed_s.max(0.0) / inner).exp_m1(),
-            "knock" => out[0] = if motion.elapsed_s > inner { 1.0 } else { 0.0 },
-            "roundness" => harmonics(inner as usize, direction, out),
-            "degree" => out[0] = (h_mm / 100.0).powi(inner as i32),
-            "stick-slip" => out[0] = -b * (-motion.velocity_mm_s[slide].abs() / inner).exp(),
+            Kind::Drift => out[0] = -(-motion.elapsed_s.max(0.0) / inner).exp_m1(),
+            Kind::Knock => out[0] = if motion.elapsed_s > inner { 1.0 } else { 0.0 },
+            Kind::Roundness => harmonics(inner as usize, direction, out),
+            Kind::Degree => out[0] = (h_mm / 100.0).powi(inner as i32),
+            Kind::StickSlip => out[0] = -b * (-motion.velocity_mm_s[slide].abs() / inner).exp(),
             _ => out[0] = 1.0,
         }
     }
@@ -177,12 +220,12 @@ impl Shape {
                 self.cause.keys.iter().map(|k| number(k.name)).collect(),
             )
         };
-        match self.cause.id {
-            "cyclic" | "vibration" => {
+        match self.cause.kind {
+            Kind::Cyclic | Kind::Vibration => {
                 let (sine, cosine) = (amplitudes[0], amplitudes[1]);
                 vec![numbers(sine.hypot(cosine), cosine.atan2(sine), 0.0)]
             }
-            "roundness" => {
+            Kind::Roundness => {
                 let degree = amplitudes.len() as f64 / 2.0 - 0.5;
                 let each = amplitudes.iter().enumerate();
                 each.map(|(k, amplitude)| numbers(*amplitude, 0.0, k as f64 - degree)).collect()
@@ -213,13 +256,13 @@ impl Shape {
 
     /// Unit of the amplitudes.
     fn unit(&self) -> &'static str {
-        match (self.cause.id, self.seat) {
-            ("servo", Seat::Whole) => "1",
-            ("servo", _) => "s",
-            ("growing-backlash", Seat::Function(_, component)) if component.is_angular() => {
+        match (self.cause.kind, self.seat) {
+            (Kind::Servo, Seat::Whole) => "1",
+            (Kind::Servo, _) => "s",
+            (Kind::GrowingBacklash, Seat::Function(_, component)) if component.is_angular() => {
                 "rad/mm"
             }
-            ("growing-backlash", _) => "mm/mm",
+            (Kind::GrowingBacklash, _) => "mm/mm",
             (_, Seat::Coefficient(of)) => of.unit(),
             (_, Seat::Function(_, component)) if component.is_angular() => "rad",
             _ => "mm",
@@ -237,8 +280,8 @@ impl Term for Shape {
     fn parameters(&self) -> Vec<Parameter> {
         let name = self.name();
         let of = |part: String| Parameter { name: format!("{name}{part}"), unit: self.unit() };
-        match (self.cause.id, self.amplitudes()) {
-            ("cyclic" | "vibration", _) => vec![of(" sin".into()), of(" cos".into())],
+        match (self.cause.kind, self.amplitudes()) {
+            (Kind::Cyclic | Kind::Vibration, _) => vec![of(" sin".into()), of(" cos".into())],
             (_, 1) => vec![of(String::new())],
             (_, count) => (0..count)
                 .map(|k| of(format!(" order {}", k as i64 - (count as i64 - 1) / 2)))
@@ -282,6 +325,7 @@ impl Term for Shape {
         values: &[f64],
         at: &Pose,
         motion: &Motion,
+        _mounting: usize,
         direction: &Vector3<f64>,
     ) -> f64 {
         if !matches!(self.seat, Seat::Bar | Seat::Whole) {

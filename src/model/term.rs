@@ -46,9 +46,15 @@ pub trait Term: Debug + Send + Sync {
         _values: &[f64],
         _at: &Pose,
         _motion: &Motion,
+        _mounting: usize,
         _direction: &Vector3<f64>,
     ) -> f64 {
         0.0
+    }
+
+    /// Whether it does something without any parameter's doing.
+    fn holds(&self) -> bool {
+        false
     }
 }
 
@@ -137,13 +143,15 @@ pub struct Model<'a> {
     mountings: Vec<Mounting>,
     terms: Vec<Box<dyn Term>>,
     parameters: Vec<Parameter>,
+    holds: bool,
 }
 
 impl<'a> Model<'a> {
     /// A model of these terms.
     pub fn new(machine: &'a Machine, mountings: Vec<Mounting>, terms: Vec<Box<dyn Term>>) -> Self {
         let parameters = terms.iter().flat_map(|term| term.parameters()).collect();
-        Self { machine, mountings, terms, parameters }
+        let holds = terms.iter().any(|term| term.holds());
+        Self { machine, mountings, terms, parameters, holds }
     }
 
     /// What the columns are, in order.
@@ -174,7 +182,7 @@ impl<'a> Model<'a> {
     /// Length between the balls through the exact chain, mm.
     pub fn length_mm(&self, values: &[f64], pose: &Pose, motion: &Motion, mounting: usize) -> f64 {
         // A perfect machine puts the balls where the inverse kinematics say.
-        if values.iter().all(|value| *value == 0.0) {
+        if !self.holds && values.iter().all(|value| *value == 0.0) {
             return (pose.position_mm - self.mountings[mounting].coincidence_mm).norm();
         }
         let mut errors = ChainErrors::zero();
@@ -193,7 +201,7 @@ impl<'a> Model<'a> {
             let next = column + term.parameter_count();
             let of = &values[column..next];
             column = next;
-            term.lengthen(of, pose, motion, &direction)
+            term.lengthen(of, pose, motion, mounting, &direction)
         });
         length_mm + longer.sum::<f64>()
     }

@@ -22,6 +22,24 @@ pub enum Variable {
 }
 
 impl Variable {
+    /// All that there are.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let of_slides = Axis::ALL.into_iter().flat_map(|axis| {
+            [
+                Self::Position(axis),
+                Self::Velocity(axis),
+                Self::SinceReversal(axis),
+                Self::WaySinceReversal(axis),
+            ]
+        });
+        of_slides.chain([Self::Elapsed])
+    }
+
+    /// Reads what it is called, such as `position of X`.
+    pub fn parse(name: &str) -> Option<Self> {
+        Self::all().find(|variable| variable.to_string() == name)
+    }
+
     /// Its value; `None` where a slide has never reversed.
     pub fn value(self, pose: &Pose, motion: &Motion) -> Option<f64> {
         match self {
@@ -152,6 +170,7 @@ impl Term for Empirical {
         values: &[f64],
         at: &Pose,
         motion: &Motion,
+        _mounting: usize,
         _direction: &Vector3<f64>,
     ) -> f64 {
         if !matches!(self.seat, Seat::Bar | Seat::Whole) {

@@ -244,7 +244,7 @@ impl RawEstimation {
             }
         };
         let minimum_norm = self.minimum_norm || terms.iter().any(|name| name == "all");
-        Ok(Estimation { terms, loss: self.loss, minimum_norm })
+        Ok(Estimation { terms, loss: self.loss, minimum_norm, curves: Vec::new() })
     }
 }
 

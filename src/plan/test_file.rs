@@ -12,6 +12,7 @@ use super::raw_mounting::check_mountings;
 use super::{Arc, DesignRequest, Operator, Strategy};
 use crate::error::{Error, Place, Result};
 use crate::machine::{Machine, Mounting};
+use crate::model::Empirical;
 use crate::toml_text::{self, Text};
 
 /// The instrument.
@@ -113,6 +114,8 @@ pub struct Estimation {
     pub loss: Loss,
     /// Take the shortest of all solutions where the terms are confounded, instead of refusing.
     pub minimum_norm: bool,
+    /// Curves that are held beside the terms, with their values at the knots.
+    pub curves: Vec<(Empirical, Vec<f64>)>,
 }
 
 /// How far-off samples are weighted.

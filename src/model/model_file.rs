@@ -1,0 +1,216 @@
+//! The model file: what a diagnosis has made of the model, for other commands to start from.
+//!
+//! ```toml
+//! terms = ["EXX1", "EXt", "cyclic:on=EXX,period_mm=9.9999"]   # for identify, analyse, diagnose and plan
+//! [coefficients]                                              # mm and rad, mean of the repeats: for simulate
+//! EXX1 = -7.2e-6
+//! [set_up]                                                    # mm
+//! EXt = -0.0031
+//! [[hide]]                                                    # what joined the model, with its numbers
+//! cause = "cyclic"
+//! on = "EXX"
+//! amplitude_um = 1.201
+//! period_mm = 9.9999
+//! phase_rad = 0.703
+//! [[curve]]                                                   # what is described and not explained
+//! on = "EXX"
+//! over = "position of X"                                      # see Variable
+//! by_direction = false
+//! knots = [-130.0, 0.0, 170.0]                                # in the unit of the variable
+//! values = [0.0, 1.2e-3, 0.0]                                 # mm or rad
+//! ```
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::{Effect, Empirical, Seat, Variable};
+use crate::error::{Error, Result};
+use crate::toml_text::{self, Text};
+
+/// What a model file says.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ModelFile {
+    /// Terms to estimate, those of effects among them.
+    pub terms: Vec<String>,
+    /// Coefficients, mm and rad.
+    pub coefficients: Vec<(String, f64)>,
+    /// Set-up errors of the balls, mm.
+    pub set_up: Vec<(String, f64)>,
+    /// Effects with their numbers.
+    pub effects: Vec<Effect>,
+    /// Curves with their values at the knots, mm or rad.
+    pub curves: Vec<(Empirical, Vec<f64>)>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawModel {
+    terms: Vec<String>,
+    #[serde(default)]
+    coefficients: BTreeMap<String, f64>,
+    #[serde(default)]
+    set_up: BTreeMap<String, f64>,
+    #[serde(default)]
+    hide: Vec<Spanned<toml::Table>>,
+    #[serde(default)]
+    curve: Vec<Spanned<RawCurve>>,
+}
+
+/// A curve as it stands in a file.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawCurve {
+    on: String,
+    over: String,
+    #[serde(default)]
+    by_direction: bool,
+    knots: Vec<f64>,
+    values: Vec<f64>,
+}
+
+impl ModelFile {
+    /// Reads and checks a model file.
+    pub fn read(file: &Path) -> Result<Self> {
+        let source = toml_text::read(file)?;
+        let text = Text { source: &source, file };
+        let raw: RawModel = text.parse()?;
+        let effects = raw
+            .hide
+            .iter()
+            .map(|table| effect(table.get_ref()).map_err(|e| e.at(text.place(table.span()))))
+            .collect::<Result<_>>()?;
+        let curves = raw
+            .curve
+            .into_iter()
+            .map(|curve| {
+                let place = text.place(curve.span());
+                check_curve(curve.into_inner()).map_err(|error| error.at(place))
+            })
+            .collect::<Result<_>>()?;
+        Ok(Self {
+            terms: raw.terms,
+            coefficients: raw.coefficients.into_iter().collect(),
+            set_up: raw.set_up.into_iter().collect(),
+            effects,
+            curves,
+        })
+    }
+
+    /// The file's text.
+    pub fn to_toml(&self) -> String {
+        let mut text = String::from(
+            "# The model with what a diagnosis has found: `--model` of simulate, identify, analyse, diagnose, plan.\n",
+        );
+        let terms: Vec<String> = self.terms.iter().map(|term| format!("{term:?}")).collect();
+        let _ = writeln!(text, "terms = [\n    {},\n]", terms.join(",\n    "));
+        for (head, values) in
+            [("[coefficients]  # mm, rad", &self.coefficients), ("[set_up]  # mm", &self.set_up)]
+        {
+            let _ = writeln!(text, "\n{head}");
+            for (name, value) in values {
+                let _ = writeln!(text, "{name} = {value:e}");
+            }
+        }
+        for effect in &self.effects {
+            let _ = writeln!(text, "\n[[hide]]\ncause = {:?}", effect.cause.id);
+            if effect.seat != Seat::Whole {
+                let _ = writeln!(text, "on = \"{}\"", effect.seat);
+            }
+            for (name, value) in effect.written() {
+                let _ = writeln!(text, "{name} = {value:?}");
+            }
+        }
+        for (curve, values) in &self.curves {
+            let numbers = |values: &[f64]| {
+                let each: Vec<String> = values.iter().map(|value| format!("{value:e}")).collect();
+                each.join(", ")
+            };
+            let _ = writeln!(
+                text,
+                "\n[[curve]]  # empirical: described, not explained\non = \"{}\"\nover = \"{}\"\nby_direction = {}\nknots = [{}]  # {}\nvalues = [{}]  # mm or rad",
+                curve.seat,
+                curve.variable,
+                curve.with_sense,
+                numbers(&curve.knots),
+                curve.variable.unit(),
+                numbers(values)
+            );
+        }
+        text
+    }
+}
+
+/// The effect of a table with `cause`, `on` and numbers.
+fn effect(table: &toml::Table) -> Result<Effect> {
+    let text = |key: &str| table.get(key).and_then(toml::Value::as_str);
+    let Some(cause) = text("cause") else {
+        return Err(Error::input("an effect does not say its `cause`")
+            .hint("docs/reference.md lists the causes"));
+    };
+    let mut numbers = Vec::new();
+    for (key, value) in table.iter().filter(|(key, _)| *key != "cause" && *key != "on") {
+        let number = value.as_float().or_else(|| value.as_integer().map(|n| n as f64));
+        let number = number.ok_or_else(|| {
+            Error::input(format!("`{key}` must be a number"))
+                .hint("docs/reference.md lists the causes")
+        })?;
+        numbers.push((key.as_str(), number));
+    }
+    Effect::of(cause, text("on"), &numbers)
+}
+
+fn check_curve(raw: RawCurve) -> Result<(Empirical, Vec<f64>)> {
+    let refuse = |what: String| {
+        Error::input(what).hint("take the curve as `ballbar diagnose` has written it")
+    };
+    let seat = Seat::parse(&raw.on)
+        .ok_or_else(|| refuse(format!("a curve cannot act on `{}`", raw.on)))?;
+    let variable = Variable::parse(&raw.over)
+        .ok_or_else(|| refuse(format!("a curve cannot run over `{}`", raw.over)))?;
+    let ascending = raw.knots.windows(2).all(|pair| pair[0] < pair[1]);
+    let finite = raw.knots.iter().chain(&raw.values).all(|value| value.is_finite());
+    if raw.knots.len() < 2 || raw.values.len() != raw.knots.len() || !ascending || !finite {
+        return Err(refuse(
+            "a curve needs ascending `knots`, two at the least, and a value for each".into(),
+        ));
+    }
+    let curve = Empirical { seat, variable, with_sense: raw.by_direction, knots: raw.knots };
+    Ok((curve, raw.values))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::machine::Axis;
+
+    #[test]
+    fn a_model_file_reads_back() {
+        let curve = Empirical {
+            seat: Seat::parse("EXX").unwrap(),
+            variable: Variable::Velocity(Axis::Z),
+            with_sense: true,
+            knots: vec![-8.0, 0.5, 8.0],
+        };
+        let model = ModelFile {
+            terms: vec!["EXX1".into(), "cyclic:on=EXX,period_mm=9.9999".into()],
+            coefficients: vec![("EXX1".into(), -7.2e-6)],
+            set_up: vec![("EXt".into(), 0.005)],
+            effects: vec![
+                Effect::parse("drift:on=EZt,amplitude_um=6,time_constant_s=500").unwrap(),
+            ],
+            curves: vec![(curve, vec![0.0, 1e-3, -2.5e-4])],
+        };
+        let directory = tempfile::tempdir().unwrap();
+        let file = directory.path().join("model.toml");
+        std::fs::write(&file, model.to_toml()).unwrap();
+        assert_eq!(ModelFile::read(&file).unwrap(), model);
+        std::fs::write(&file, model.to_toml().replace("velocity of Z", "mood of Z")).unwrap();
+        let error = ModelFile::read(&file).unwrap_err();
+        assert!(error.what.contains("mood of Z") && error.place.is_some());
+    }
+}
