@@ -106,8 +106,7 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
     // The samples and the times are those of the extended model from here on.
     let shown = extended.as_ref().unwrap_or(campaign);
     let views = views(&data, shown, &left, noise.long_run_mm2);
-    let without: Vec<Vec<f64>> = data.blocks.iter().map(|b| b.residual_mm.clone()).collect();
-    let arcs = arcs::arcs(&data, shown, &without, &left);
+    let arcs = arcs::arcs(&data, shown, &left);
     let pictures = fitted.map_or_else(Vec::new, |fitted| {
         let of = |k| picture::picture(&data, fitted, k, &left, noise.long_run_mm2);
         (0..fitted.elements.len()).map(of).collect()
