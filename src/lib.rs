@@ -22,6 +22,8 @@
 //! | [`solve`] | factorisation, rank, covariance: the linear algebra |
 //! | [`identify`] | the fit, what is observable, repeats |
 //! | [`design`] | what a test will see before it is run, and which test sees most |
+//! | [`diagnose`] | what the model gets wrong, the cause, the gain |
+//! | [`trial`] | effects hidden at random, diagnosed and judged |
 //! | [`report`] | terminal, HTML, JSON, CSV |
 //! | [`cli`] | the command line |
 //!
@@ -67,5 +69,6 @@ pub mod report;
 pub mod simulate;
 pub mod solve;
 mod toml_text;
+pub mod trial;
 
 pub use error::{Error, Result};

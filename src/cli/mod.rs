@@ -6,6 +6,7 @@
 
 mod align;
 mod analyse;
+mod blind;
 mod check;
 mod demo;
 mod design;
@@ -85,6 +86,7 @@ enum Command {
     Analyse(analyse::Arguments),
     Diagnose(diagnose::Arguments),
     Design(design::Arguments),
+    Blind(blind::Arguments),
     Demo(demo::Arguments),
     Machines(machines::Arguments),
     Paper(paper::Arguments),
@@ -108,6 +110,7 @@ pub fn main() -> ExitCode {
         Command::Analyse(arguments) => arguments.run(common, &talk),
         Command::Diagnose(arguments) => arguments.run(common, &talk),
         Command::Design(arguments) => arguments.run(common, &talk),
+        Command::Blind(arguments) => arguments.run(common, &talk),
         Command::Demo(arguments) => arguments.run(common, &talk),
         Command::Machines(arguments) => arguments.run(common, &talk),
         Command::Paper(arguments) => arguments.run(common, &talk),

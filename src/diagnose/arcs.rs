@@ -44,8 +44,7 @@ struct Sums {
 /// The arcs of all programs, in the order in which they are driven. The campaign is the one that the data are
 /// linear about: with another one samples and arcs would not be the same.
 pub(super) fn arcs(data: &Data, campaign: &Campaign, after_mm: &[Vec<f64>]) -> Vec<ArcShare> {
-    let before_mm: Vec<Vec<f64>> =
-        data.blocks.iter().map(|block| block.residual_mm.clone()).collect();
+    let before_mm = data.residuals_mm();
     let before = floor::products(data, &before_mm, |_, _| true);
     let after = floor::products(data, after_mm, |_, _| true);
     let mut all: Vec<Sums> = Vec::new();

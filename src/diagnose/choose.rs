@@ -149,7 +149,7 @@ impl Search<'_> {
         while chosen.as_ref().map_or(0, |fitted| fitted.elements.len()) < most {
             let noise = Noise::of(self.data);
             let least = threshold_mm2(self.data, &noise);
-            let mut candidates = self.screen.candidates(self.data);
+            let mut candidates = self.screen.candidates(self.data, least);
             if chosen.iter().flat_map(|fitted| &fitted.elements).any(Element::is_common_delay) {
                 // Another delay that all slides have in common is a better estimate of the first one.
                 candidates.retain(|candidate| !candidate.element.is_common_delay());
@@ -230,7 +230,10 @@ impl Search<'_> {
         let square: f64 = trace.iter().map(|c| dot(c, c)).sum();
         let tried = match others {
             None if !self.first.is_empty() => self.first.clone(),
-            _ => closely(self.data, self.screen.candidates(self.data), &noise, 0.0),
+            _ => {
+                let least = threshold_mm2(self.data, &noise);
+                closely(self.data, self.screen.candidates(self.data, least), &noise, 0.0)
+            }
         };
         let mut rivals = Vec::new();
         let mut better: Option<(Element, f64)> = None;
@@ -337,7 +340,8 @@ fn closely(data: &Data, candidates: Vec<Candidate>, noise: &Noise, least_mm2: f6
             let fitted = joint::fit(data, vec![candidate.element])?;
             let numbers = fitted.columns.len() as f64;
             let score_mm2 = fitted.gain_mm2 - 2.0 * numbers * noise.long_run_mm2;
-            (fitted.seen > super::screen::SEEN).then_some(Tried { fitted, score_mm2 })
+            (fitted.seen > super::screen::SEEN && fitted.elements[0].possible(data))
+                .then_some(Tried { fitted, score_mm2 })
         })
         .collect();
     tried.sort_by(|a, b| b.score_mm2.total_cmp(&a.score_mm2));

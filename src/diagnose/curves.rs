@@ -10,6 +10,8 @@ use crate::model::{Empirical, place};
 const KNOTS: [usize; 3] = [24, 48, 96];
 /// Curves that get a closer look.
 const CLOSELY: usize = 6;
+/// More knots must explain more by this factor.
+const FINER: f64 = 1.01;
 /// Hats that the model nearly spans are kept from running away.
 const RIDGE: f64 = 1e-4;
 
@@ -44,8 +46,9 @@ pub(super) fn curves(channels: &[Channel], noise: &Noise) -> Vec<Curve> {
         .filter_map(|(index, knots)| Some((index, look(&channels[index], knots)?)))
         .collect();
     for (index, curve) in closer {
+        // More knots only where they show more.
         if let Some(known) = first.iter_mut().find(|known| known.0 == index)
-            && curve.score_mm2 > known.1.score_mm2
+            && curve.score_mm2 > FINER * known.1.score_mm2
         {
             known.1 = curve;
         }

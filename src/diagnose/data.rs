@@ -45,6 +45,8 @@ pub(super) type Column = Vec<Vec<f64>>;
 #[derive(Debug)]
 pub(super) struct Data {
     pub(super) blocks: Vec<Block>,
+    /// How far each slide went, mm.
+    pub(super) way_mm: [f64; 3],
     /// How many arcs there are.
     pub(super) arcs: usize,
     /// Orthonormal columns of the accepted effects, orthogonal to what the fits span.
@@ -117,7 +119,36 @@ impl Data {
             });
         }
         let left_mm = blocks.iter().map(|block| block.residual_mm.clone()).collect();
-        Ok(Self { blocks, arcs, span: Vec::new(), left_mm })
+        let way_mm = [0, 1, 2].map(|slide| {
+            let samples = blocks.iter().flat_map(|block: &Block| &block.samples);
+            let at = samples.map(|s| s.situation.pose.position_mm[slide]);
+            let (low, high) =
+                at.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+            (high - low).max(0.0)
+        });
+        Ok(Self { blocks, way_mm, arcs, span: Vec::new(), left_mm })
+    }
+
+    /// How long the longest run is, s.
+    pub(super) fn longest_s(&self) -> f64 {
+        let ends = self.blocks.iter().flat_map(|block| {
+            block.runs.iter().filter_map(|run| {
+                let of_run = block.samples.get(run.clone())?;
+                let (first, last) = (of_run.first()?, of_run.last()?);
+                Some(last.situation.motion.elapsed_s - first.situation.motion.elapsed_s)
+            })
+        });
+        ends.fold(1.0, f64::max)
+    }
+
+    /// What the model leaves, of every block, mm.
+    pub(super) fn residuals_mm(&self) -> Vec<Vec<f64>> {
+        self.blocks.iter().map(|block| block.residual_mm.clone()).collect()
+    }
+
+    /// Sum of squares of what the model leaves, mm².
+    pub(super) fn squares_without_mm2(&self) -> f64 {
+        self.blocks.iter().map(|block| dot(&block.residual_mm, &block.residual_mm)).sum()
     }
 
     /// How many samples.

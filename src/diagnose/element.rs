@@ -96,6 +96,22 @@ impl Element {
         changed
     }
 
+    /// Whether the number inside is one that these runs can show: a wave goes round at least three quarters
+    /// of the way of its slide, a vibration and a decay are not slower than the runs.
+    pub(super) fn possible(&self, data: &Data) -> bool {
+        let Some((shape, inner)) = self.shape().and_then(|s| Some((s, s.inner?))) else {
+            return true;
+        };
+        match (shape.cause.kind, shape.seat) {
+            (Kind::Cyclic, Seat::Function(slide, _)) => {
+                inner > 0.0 && inner < 1.33 * data.way_mm[slide.index()]
+            }
+            (Kind::Drift, _) => inner < 1e7,
+            (Kind::PreSliding, Seat::Function(slide, _)) => inner < data.way_mm[slide.index()],
+            _ => inner > 0.0,
+        }
+    }
+
     /// Standard deviation of the number inside from that on its scale.
     pub(super) fn inner_sigma(&self, free_sigma: f64) -> Option<f64> {
         let inner = self.shape()?.inner?;

@@ -63,7 +63,7 @@ pub(super) fn by_run(
             left.map_or_else(|| fitted_mm[index].clone(), |mut left| left.swap_remove(index))
         })
         .collect();
-    let before: Vec<Vec<f64>> = data.blocks.iter().map(|b| b.residual_mm.clone()).collect();
+    let before = data.residuals_mm();
     let mut gains = Vec::new();
     let mut arcs = vec![(0.0, 0.0); data.arcs];
     for (index, block) in data.blocks.iter().enumerate() {

@@ -15,6 +15,9 @@ use crate::solve::{Cholesky, Matrix};
 const MOST_STEPS: usize = 12;
 /// A step that lowers the sum of squares by less than this share of the gain is the last.
 const SETTLED: f64 = 1e-4;
+/// What is added to the diagonal, as a share of a column's square: amplitudes that the model spans, such as some
+/// orders of a ball's roundness, stay small instead of running away; of others this changes nothing.
+const RIDGE: f64 = 1e-6;
 
 /// Effects with everything that was estimated of them.
 #[derive(Debug, Clone)]
@@ -26,7 +29,7 @@ pub(super) struct Fitted {
     pub(super) gain_mm2: f64,
     /// Inverse of the normal matrix over all amplitudes and then all numbers inside, per mm².
     pub(super) inverse: Matrix,
-    /// Smallest part of an effect's square that lies outside of what is spanned.
+    /// Largest part of a column's square that lies outside of what is spanned.
     pub(super) seen: f64,
     /// Columns of the amplitudes, then those of the numbers inside.
     pub(super) columns: Vec<Column>,
@@ -113,7 +116,7 @@ impl System {
             let pairs = self.along[i].iter().zip(&self.along[k]);
             let spanned: f64 = pairs.map(|(a, b)| dot(a, b)).sum();
             let both = self.products[i.max(k)][i.min(k)];
-            let ridge = if i == k { 1e-10 * both } else { 0.0 };
+            let ridge = if i == k { RIDGE * both } else { 0.0 };
             both + ridge - spanned - dot(&accepted[i], &accepted[k])
         });
         let common: Vec<f64> =
@@ -164,11 +167,10 @@ impl System {
 
     fn part(&self, keep: usize) -> (Matrix, &[f64]) {
         let normal = Matrix::from_fn(keep, keep, |i, k| {
-            // Next to nothing on the diagonal, so that effects that hardly differ do not end the fit.
             match self.normal[(i, k)] {
                 // What nothing tells, such as the phase of a run that takes no part, stays zero.
                 0.0 if i == k => 1.0,
-                value if i == k => value * (1.0 + 1e-10),
+                value if i == k => value + RIDGE * self.products[k][k],
                 value => value,
             }
         });
@@ -226,9 +228,7 @@ pub(super) fn fit_to(data: &Data, elements: Vec<Element>, repeats: &[bool]) -> O
         }
         let settled =
             best.as_ref().is_some_and(|best| gain_mm2 - best.gain_mm2 < SETTLED * gain_mm2);
-        let seen = (0..linear)
-            .map(|k| system.normal[(k, k)] / system.products[k][k].max(f64::MIN_POSITIVE))
-            .fold(f64::INFINITY, f64::min);
+        let seen = system.seen();
         let mut by_element = Vec::new();
         let mut inside = Vec::new();
         let mut first = 0;

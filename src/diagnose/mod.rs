@@ -60,7 +60,8 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
     let mut data = Data::new(test, machine, campaign)?;
     let mut screen = Screen::new(&data, &campaign.terms);
     let chosen = Search { data: &mut data, screen: &mut screen, first: Vec::new() }.run();
-    let before = data.blocks.iter().map(|b| b.residual_mm.clone()).collect::<Vec<_>>();
+    let before = data.residuals_mm();
+    let before_mm = (data.squares_without_mm2() / data.samples().max(1) as f64).sqrt();
     let structure_before = floor::structure(&data, &before, |_, _| true);
     let extended = match chosen {
         Some(chosen) => extend::extend(test, machine, campaign, chosen)?,
@@ -86,7 +87,7 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
     let (runs, by_arc) = gain::by_run(&data, &left, fitted);
     let explained = fitted.and_then(|_| gain::explained(&by_arc));
     let verdict = Verdict {
-        before_mm: mean(&before),
+        before_mm,
         after_mm: mean(&left),
         structure_before,
         structure_after: floor::structure(&data, &left, |_, _| true),
@@ -103,7 +104,7 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         }
         _ => Vec::new(),
     };
-    // The samples and the times are those of the extended model from here on.
+    // About the extended model a few more samples, or fewer, take part.
     let shown = extended.as_ref().unwrap_or(campaign);
     let views = views(&data, shown, &left, noise.long_run_mm2);
     let arcs = arcs::arcs(&data, shown, &left);

@@ -23,7 +23,7 @@ const SIDE_LOBES: usize = 12;
 /// Waves shorter than this part of the way are not followed by the cubics.
 const FAST: f64 = 6.0;
 /// An effect of which less than this part of its square is left outside of the model is not seen.
-pub(super) const SEEN: f64 = 2e-3;
+pub(super) const SEEN: f64 = 4e-4;
 
 /// An effect that may be there.
 #[derive(Debug, Clone)]
@@ -122,8 +122,9 @@ impl Screen {
         self.channels.par_iter_mut().for_each(|channel| channel.renew(data));
     }
 
-    /// Candidates, the best of each cause and seat, in no order.
-    pub(super) fn candidates(&self, data: &Data) -> Vec<Candidate> {
+    /// Candidates, the best of each cause and seat, in no order; what takes longer to look for is left out
+    /// where it explains less than `least_mm2`.
+    pub(super) fn candidates(&self, data: &Data, least_mm2: f64) -> Vec<Candidate> {
         let mut found: Vec<Candidate> =
             self.channels.par_iter().map(of_channel).collect::<Vec<_>>().concat();
         let direct: Vec<Option<Candidate>> = self
@@ -136,7 +137,7 @@ impl Screen {
             .collect();
         found.extend(direct.into_iter().flatten());
         found.extend(knock::candidates(data));
-        found.extend(vibration::candidates(data));
+        found.extend(vibration::candidates(data, least_mm2));
         found
     }
 }

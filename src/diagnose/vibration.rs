@@ -1,5 +1,6 @@
 //! Lines in the spectrum of the residuals, and which frequencies they may be aliases of.
 
+use rayon::prelude::*;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
@@ -13,6 +14,8 @@ use crate::model::{Ball, Form, Kind, Seat, SetUp, Shape};
 const SLOWEST_HZ: f64 = 0.05;
 /// Lines of one direction and one sample rate that are looked at closely.
 const LINES: usize = 2;
+/// Lines, with their aliases, that are fitted.
+const CLOSELY: usize = 4;
 /// Aliases up to so many times the sample rate.
 const FOLDS: usize = 3;
 
@@ -25,50 +28,74 @@ struct Spectrum {
     resolution_hz: f64,
 }
 
-impl Spectrum {
-    /// The gain at a frequency, which may be above half the sample rate, mm².
-    fn at(&self, frequency_hz: f64) -> f64 {
-        let folds = frequency_hz * self.period_s;
-        let inside = (folds - folds.round()).abs() / self.period_s;
-        let bin = (inside / self.resolution_hz).round() as usize;
-        let around = bin.saturating_sub(1)..=bin + 1;
-        around.filter_map(|k| self.gains_mm2.get(k)).copied().fold(0.0, f64::max)
-    }
-}
-
-/// The strongest lines of every direction, with the frequencies that they may be aliases of.
-pub(super) fn candidates(data: &Data) -> Vec<Candidate> {
+/// The strongest lines of every direction, with the frequencies that they may be aliases of; none where no
+/// line explains half of `least_mm2`.
+///
+/// Between the sample rates of several runs, and by the differences of their clocks, aliases can be told
+/// apart: each is tried on the samples themselves.
+pub(super) fn candidates(data: &Data, least_mm2: f64) -> Vec<Candidate> {
     let cause = Kind::Vibration.cause();
     let balls = Axis::ALL.map(|axis| Seat::Ball(SetUp { ball: Ball::Tool, axis }));
-    let mut found = Vec::new();
+    let seats: Vec<Seat> = balls.into_iter().chain([Seat::Bar]).collect();
     let mut planner = FftPlanner::new();
-    for seat in balls.into_iter().chain([Seat::Bar]) {
-        let spectra = spectra(data, seat, &mut planner);
-        let mut lines: Vec<(f64, f64)> = Vec::new();
-        for of in groups(&spectra) {
-            lines.extend(strongest(&of));
-        }
-        let mut tried: Vec<Candidate> = Vec::new();
-        for (line_hz, period_s) in lines {
-            for fold in 0..=FOLDS {
-                let of_fold = fold as f64 / period_s;
-                for frequency_hz in [of_fold + line_hz, of_fold - line_hz] {
-                    if frequency_hz < SLOWEST_HZ {
-                        continue;
-                    }
-                    let gain_mm2 = spectra.iter().map(|s| s.at(frequency_hz)).sum();
-                    let shape = Shape { cause, seat, inner: Some(frequency_hz) };
-                    let element = Element { form: Form::Cause(shape), owner: Owner::EachRun };
-                    tried.push(Candidate { element, gain_mm2 });
-                }
+    let spectra: Vec<Vec<Spectrum>> =
+        seats.iter().map(|seat| spectra(data, *seat, &mut planner)).collect();
+    let mut lines: Vec<(Seat, f64, f64, f64)> = Vec::new();
+    for (seat, spectra) in seats.iter().zip(&spectra) {
+        for group in groups(spectra) {
+            for (line_hz, period_s, gain_mm2) in strongest(&group) {
+                lines.push((*seat, line_hz, period_s, gain_mm2));
             }
         }
-        // The lowest of aliases that explain the same comes first.
-        tried.sort_by(|a, b| b.gain_mm2.total_cmp(&a.gain_mm2));
-        tried.truncate(LINES * 2);
-        found.extend(tried);
     }
+    let most = lines.iter().map(|line| line.3).fold(0.0, f64::max);
+    lines.retain(|line| line.3 > 0.5 * most && line.3 > 0.5 * least_mm2);
+    let tried: Vec<(Seat, f64)> = lines
+        .into_iter()
+        .flat_map(|(seat, line_hz, period_s, _)| {
+            (0..=FOLDS).flat_map(move |fold| {
+                let of_fold = fold as f64 / period_s;
+                [(seat, of_fold + line_hz), (seat, of_fold - line_hz)]
+            })
+        })
+        .filter(|(_, frequency_hz)| *frequency_hz > SLOWEST_HZ)
+        .collect();
+    let mut found: Vec<Candidate> = tried
+        .into_par_iter()
+        .map(|(seat, about_hz)| {
+            let step_hz = 0.25 / data.longest_s();
+            let near = (-4..=4).map(|k| about_hz + f64::from(k) * step_hz);
+            let gains = near.map(|hz| (hz, coherent_mm2(data, seat, hz)));
+            let best = gains.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((about_hz, 0.0));
+            let shape = Shape { cause, seat, inner: Some(best.0) };
+            let element = Element { form: Form::Cause(shape), owner: Owner::EachRun };
+            Candidate { element, gain_mm2: best.1 }
+        })
+        .collect();
+    found.sort_by(|a, b| b.gain_mm2.total_cmp(&a.gain_mm2));
+    found.truncate(CLOSELY);
     found
+}
+
+/// What a line of one frequency explains with a phase of its own in every run, mm², where nothing of it is
+/// spanned.
+fn coherent_mm2(data: &Data, seat: Seat, frequency_hz: f64) -> f64 {
+    let mut gain = 0.0;
+    for (block, left_mm) in data.blocks.iter().zip(&data.left_mm) {
+        for run in &block.runs {
+            let (mut s, mut c, mut squares) = (0.0, 0.0, 0.0);
+            for (sample, left) in block.samples[run.clone()].iter().zip(&left_mm[run.clone()]) {
+                let worth = seat.sensitivity(&sample.situation) * sample.root_weight;
+                let turns = frequency_hz * sample.situation.motion.elapsed_s;
+                let (sine, cosine) = (std::f64::consts::TAU * turns.fract()).sin_cos();
+                s += worth * sine * left;
+                c += worth * cosine * left;
+                squares += worth * worth;
+            }
+            gain += (s * s + c * c) / (0.5 * squares).max(f64::MIN_POSITIVE);
+        }
+    }
+    gain
 }
 
 /// One spectrum a run.
@@ -129,8 +156,8 @@ fn groups(spectra: &[Spectrum]) -> Vec<Vec<&Spectrum>> {
     groups
 }
 
-/// Frequency (Hz) and sample period (s) of the strongest lines of a group.
-fn strongest(group: &[&Spectrum]) -> Vec<(f64, f64)> {
+/// Frequency (Hz), sample period (s) and gain (mm²) of the strongest lines of a group.
+fn strongest(group: &[&Spectrum]) -> Vec<(f64, f64, f64)> {
     let first = group[0];
     let total = |bin: usize| group.iter().map(|s| s.gains_mm2[bin]).sum::<f64>();
     let slowest = (SLOWEST_HZ / first.resolution_hz).ceil() as usize;
@@ -144,6 +171,6 @@ fn strongest(group: &[&Spectrum]) -> Vec<(f64, f64)> {
             lines.push(bin);
         }
     }
-    let of = |bin: usize| (bin as f64 * first.resolution_hz, first.period_s);
+    let of = |bin: usize| (bin as f64 * first.resolution_hz, first.period_s, total(bin));
     lines.into_iter().take(LINES).map(of).collect()
 }

@@ -1,0 +1,213 @@
+//! `ballbar blind`: the standing trial.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::json;
+
+use super::Common;
+use super::output::{self, Talk};
+use crate::error::{Error, Result};
+use crate::trial::{Class, Course, Outcome, REQUIRED, Request, Session, table};
+
+/// Hide effects at random, diagnose without knowing, and count what comes out
+///
+/// Each trial simulates a campaign - built in: three runs of 3D6 at 500 mm/min and two at 1500 mm/min, each
+/// on a day of its own - with nothing, one effect, two, or one that the library of causes does not have
+/// hidden in it, and diagnoses it. Every run's noise is that of the sample measurements, 0.15 um a reading.
+#[derive(Args)]
+#[command(after_help = "Examples:
+  ballbar blind                                20 trials of each class
+  ballbar blind --full --seed 3                300 single, small and none, 200 two, 100 outside
+  ballbar blind --class single --size 0.5 --trials 50 --list
+  ballbar blind --trial two:17                 one of them again, with all that was found
+  ballbar blind test.toml --repeats 5          on the programs of a test
+
+Classes: single (1 um rms), small (as the noise), sizes (0.3, 0.5, 2 times the noise), none, two (1 um
+each), outside (a bump, a joint or a friction tilt of 1 um)")]
+pub(super) struct Arguments {
+    /// A test file whose programs are driven, instead of the built-in campaign
+    #[arg(value_name = "TEST")]
+    test: Option<PathBuf>,
+    /// How often the plan of TEST is repeated, instead of its runs
+    #[arg(long, requires = "test", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    repeats: Option<u32>,
+    /// Where everything random begins
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Trials of each class
+    #[arg(long, default_value_t = 20, value_name = "N")]
+    trials: usize,
+    /// As many trials as it takes to state the rates
+    #[arg(long, conflicts_with = "trials")]
+    full: bool,
+    /// Only this class: single, small, sizes, none, two, outside; give it again for several
+    #[arg(long, value_name = "CLASS", value_parser = class)]
+    class: Vec<Class>,
+    /// Size of every hidden effect, um rms outside of the model, instead of that of its class
+    #[arg(long, value_name = "UM", value_parser = size_um)]
+    size: Option<f64>,
+    /// A line for each trial
+    #[arg(long)]
+    list: bool,
+    /// Do one trial again and tell all that was found
+    #[arg(long, value_name = "CLASS:INDEX", value_parser = request, conflicts_with_all = ["class", "full", "trials", "list"])]
+    trial: Option<Request>,
+}
+
+fn class(name: &str) -> std::result::Result<Class, String> {
+    Class::parse(name).ok_or_else(|| {
+        let names: Vec<&str> = Class::ALL.iter().map(|class| class.name()).collect();
+        format!("classes are {}", names.join(", "))
+    })
+}
+
+fn size_um(text: &str) -> std::result::Result<f64, String> {
+    match text.parse() {
+        Ok(um) if (1e-3..=100.0).contains(&um) => Ok(um),
+        _ => Err("a size from 0.001 to 100 um".to_owned()),
+    }
+}
+
+fn request(text: &str) -> std::result::Result<Request, String> {
+    let (name, index) = text.split_once(':').ok_or("write CLASS:INDEX, such as two:17")?;
+    let index = index.parse().map_err(|_| format!("`{index}` is no index"))?;
+    Ok(Request { class: class(name)?, index })
+}
+
+impl Arguments {
+    pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
+        let course = match &self.test {
+            Some(file) => Course::of(file, self.repeats)?,
+            None => Course::built_in()?,
+        };
+        let session = Session::new(course, self.seed, self.size.map(|um| um * 1e-3))?;
+        if let Some(request) = self.trial {
+            return self.replay(&session, request, common);
+        }
+        let requests = self.requests();
+        let progress = talk.progress(requests.len(), "trials");
+        let outcomes = session.run(&requests, &|_| progress.inc(1));
+        progress.finish_and_clear();
+        let outcomes = outcomes?;
+        if common.json {
+            let list: Vec<_> = outcomes.iter().map(as_json).collect();
+            let all =
+                json!({ "seed": self.seed, "noise_um": 1e3 * session.noise_mm(), "trials": list });
+            return output::print(&format!("{all:#}\n"));
+        }
+        if self.list {
+            let lines: String = outcomes.iter().map(line).collect();
+            output::print(&format!("{lines}\n"))?;
+        }
+        output::print_summary(&table(&outcomes, session.noise_mm()))
+    }
+
+    fn requests(&self) -> Vec<Request> {
+        let wanted = |class: Class| self.class.is_empty() || self.class.contains(&class);
+        let each = REQUIRED.into_iter().filter(|(class, _)| wanted(*class));
+        each.flat_map(|(class, full)| {
+            let count = if self.full { full } else { self.trials };
+            (0..count as u64).map(move |index| Request { class, index })
+        })
+        .collect()
+    }
+
+    fn replay(&self, session: &Session, request: Request, common: &Common) -> Result<()> {
+        let outcome = session.replay(request)?;
+        if common.json {
+            return output::print(&format!("{:#}\n", as_json(&outcome)));
+        }
+        if let Some(failure) = &outcome.failure {
+            return Err(Error::input(failure.clone()));
+        }
+        let mut text = line(&outcome);
+        let Some(diagnosis) = &outcome.diagnosis else { return output::print(&text) };
+        let _ = writeln!(text, "{:#?}", diagnosis.verdict);
+        for finding in &diagnosis.findings {
+            let _ = writeln!(text, "found, {:.3} um rms:", 1e3 * finding.rms_mm);
+            match finding.element.shape() {
+                Some(shape) => _ = writeln!(text, "  {}", shape.name()),
+                None => _ = writeln!(text, "  {:?}", finding.element.form),
+            }
+            for number in &finding.numbers {
+                let sigma = number.sigma.map_or(String::new(), |sigma| format!(" +- {sigma:.4}"));
+                let _ = writeln!(text, "    {} = {:.4}{sigma}", number.name, number.value);
+            }
+            for rival in &finding.rivals {
+                if let Some(shape) = rival.element.shape() {
+                    let told = format!("{:?}", rival.told).to_lowercase();
+                    let share = 100.0 * rival.share;
+                    let _ = writeln!(text, "    or {}: {share:.2} %, {told}", shape.name());
+                }
+            }
+        }
+        output::print(&text)
+    }
+}
+
+/// A trial in a line.
+fn line(outcome: &Outcome) -> String {
+    let hidden: Vec<String> = outcome
+        .hidden
+        .iter()
+        .map(|(e, share)| format!("{e} [{:.0} % seen]", 100.0 * share))
+        .collect();
+    let found: Vec<String> = outcome
+        .judgement
+        .found
+        .iter()
+        .map(|found| match found.correlation {
+            Some(r) => format!("{} [r {r:.4}]", found.text),
+            None => found.text.clone(),
+        })
+        .collect();
+    let or = |list: Vec<String>, none: &str| {
+        if list.is_empty() { none.to_owned() } else { list.join(" + ") }
+    };
+    let seconds = &outcome.seconds;
+    let mut text = format!(
+        "{}:{} {} | {:.3} um | {} | {} | {:.1} {:.1} {:.1} s",
+        outcome.class,
+        outcome.index,
+        outcome.judgement.verdict.name(),
+        1e3 * outcome.size_mm,
+        or(hidden, "nothing"),
+        or(found, outcome.failure.as_deref().unwrap_or("nothing")),
+        seconds.simulate_s,
+        seconds.identify_s,
+        seconds.diagnose_s
+    );
+    for (run, why) in &outcome.left_out {
+        let _ = write!(text, " | without {run}: {why}");
+    }
+    text.push('\n');
+    text
+}
+
+fn as_json(outcome: &Outcome) -> serde_json::Value {
+    let found = outcome.judgement.found.iter();
+    json!({
+        "class": outcome.class.name(),
+        "index": outcome.index,
+        "size_um": 1e3 * outcome.size_mm,
+        "hidden": outcome.hidden.iter().map(|(effect, share)| json!({
+            "effect": effect.to_string(),
+            "cause": effect.cause.id,
+            "share_outside_of_model": share,
+        })).collect::<Vec<_>>(),
+        "found": found.map(|found| json!({
+            "cause": found.cause,
+            "text": found.text,
+            "right": found.right,
+            "correlation": found.correlation,
+        })).collect::<Vec<_>>(),
+        "verdict": outcome.judgement.verdict.name(),
+        "wrong_named": outcome.judgement.wrong_named,
+        "failure": outcome.failure,
+        "simulate_s": outcome.seconds.simulate_s,
+        "identify_s": outcome.seconds.identify_s,
+        "diagnose_s": outcome.seconds.diagnose_s,
+    })
+}

@@ -1,0 +1,157 @@
+//! What a campaign of the trial drives.
+
+use std::path::Path;
+
+use crate::design::PlannedProgram;
+use crate::error::Result;
+use crate::machine::Machine;
+use crate::nc::{self, Program};
+use crate::plan::Test;
+
+/// The built-in test: the 3D6 of the sample measurements.
+const TEST: &str = r#"name = "Blind trial"
+machine = "hu40t.toml"
+
+[ball_bar]
+length_mm = 150.0
+range_mm = 1.2
+resolution_um = 0.1
+clock_ppm = 100.0
+
+[[mounting]]
+name = "A"
+coincidence_mm = [20.0, -35.0, 40.0]
+tool_ball_mm = [0.0, 0.0, -200.0]
+
+[plan]
+strategy = "3d6"
+feed_mm_min = 500.0
+program_number = 1005
+
+[identify]
+terms = ["observable35"]
+"#;
+
+/// Runs of the built-in campaign: how many, feed in mm/min, samples a second.
+const RUNS: [(u32, f64, f64); 2] = [(3, 500.0, 10.0), (2, 1500.0, 30.0)];
+
+/// One run of a campaign.
+#[derive(Debug, Clone)]
+pub struct CourseRun {
+    /// What it is called.
+    pub name: String,
+    /// Index of its program.
+    pub program: usize,
+    /// Index of its mounting.
+    pub mounting: usize,
+    /// Runs of the same repeat are identified together.
+    pub repeat: u32,
+    /// Samples a second; `None` for what the test file says.
+    pub sample_rate_hz: Option<f64>,
+    /// Where the override knob stands, as a share of 1.
+    pub feed_override: f64,
+}
+
+/// A test, its machine and the programs of its runs.
+#[derive(Debug)]
+pub struct Course {
+    /// The test.
+    pub test: Test,
+    /// The machine.
+    pub machine: Machine,
+    /// The programs.
+    pub programs: Vec<Program>,
+    /// The runs, in the order of their repeats.
+    pub runs: Vec<CourseRun>,
+}
+
+impl Course {
+    /// Three runs of 3D6 at 500 mm/min and two at 1500 mm/min in one mounting of the HU40-T.
+    ///
+    /// # Errors
+    /// When a program does not read back as it was planned.
+    pub fn built_in() -> Result<Self> {
+        let machine =
+            Machine::parse(include_str!("../../machines/hu40t.toml"), Path::new("hu40t.toml"))?;
+        let test = Test::parse(TEST, Path::new("blind.toml"))?;
+        let mut programs = Vec::new();
+        let mut runs: Vec<CourseRun> = Vec::new();
+        for (count, feed_mm_min, sample_rate_hz) in RUNS {
+            let text = TEST.replace("500.0", &format!("{feed_mm_min:.1}"));
+            let of_feed = Test::parse(&text, Path::new("blind.toml"))?;
+            programs.push(PlannedProgram::new(&of_feed, &machine, 0)?.program);
+            for _ in 0..count {
+                let number = runs.len() as u32 + 1;
+                runs.push(CourseRun {
+                    name: format!("run{number}"),
+                    program: programs.len() - 1,
+                    mounting: 0,
+                    repeat: number,
+                    sample_rate_hz: Some(sample_rate_hz),
+                    feed_override: 1.0,
+                });
+            }
+        }
+        Ok(Self { test, machine, programs, runs })
+    }
+
+    /// The runs of a test file or, where it has none or `repeats` are asked for and it has a plan, the
+    /// programs of its plan, repeated.
+    ///
+    /// # Errors
+    /// When a program cannot be read or planned.
+    pub fn of(file: &Path, repeats: Option<u32>) -> Result<Self> {
+        let test = Test::read(file)?;
+        let machine = test.machine()?;
+        let (mut programs, mut runs) = (Vec::new(), Vec::new());
+        match test.runs() {
+            Ok(measured) if repeats.is_none() || test.plan().is_err() => {
+                for run in measured {
+                    let mut reading = nc::Reading::of(&machine);
+                    let mounting = &test.mountings()[run.mounting];
+                    reading
+                        .work_offsets_mm
+                        .insert(mounting.work_offset, mounting.mounting.coincidence_mm);
+                    programs.push(nc::read_file(&run.program, &reading)?);
+                    runs.push(CourseRun {
+                        name: run.name.clone(),
+                        program: programs.len() - 1,
+                        mounting: run.mounting,
+                        repeat: run.repeat,
+                        sample_rate_hz: None,
+                        feed_override: run.feed_override,
+                    });
+                }
+            }
+            _ => {
+                for mounting in 0..test.mountings().len() {
+                    programs.push(PlannedProgram::new(&test, &machine, mounting)?.program);
+                }
+                for repeat in 1..=repeats.unwrap_or(5) {
+                    runs.extend((0..programs.len()).map(|mounting| CourseRun {
+                        name: format!("run{repeat}-{}", test.mountings()[mounting].name),
+                        program: mounting,
+                        mounting,
+                        repeat,
+                        sample_rate_hz: None,
+                        feed_override: 1.0,
+                    }));
+                }
+            }
+        }
+        runs.sort_by_key(|run| run.repeat);
+        Ok(Self { test, machine, programs, runs })
+    }
+
+    /// Runs that are identified together, by index.
+    pub(super) fn repeats(&self) -> Vec<Vec<usize>> {
+        let mut repeats: Vec<Vec<usize>> = Vec::new();
+        for (index, run) in self.runs.iter().enumerate() {
+            match repeats.last_mut() {
+                Some(last) if self.runs[last[0]].repeat == run.repeat => last.push(index),
+                _ => repeats.push(vec![index]),
+            }
+        }
+        repeats
+    }
+}

@@ -1,0 +1,117 @@
+//! Many trials, side by side.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+
+use super::chance::{Chance, Purpose};
+use super::days::{NOISE, days};
+use super::draw::{DRAWN, OUTSIDE, causes};
+use super::one::{Drawn, Outcome, trial};
+use super::stage::Stage;
+use super::{Class, Course};
+use crate::error::{Error, Kind, Result};
+
+/// A trial that is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Request {
+    /// What kind.
+    pub class: Class,
+    /// Which of them.
+    pub index: u64,
+}
+
+/// A course made ready for trials.
+pub struct Session {
+    course: Course,
+    stage: Stage,
+    seed: u64,
+    size_mm: Option<f64>,
+}
+
+impl Session {
+    /// Makes a course ready; every hidden effect has the given size (mm rms outside of the model) where
+    /// one is given, else that of its class.
+    ///
+    /// # Errors
+    /// When the campaign cannot be simulated and identified with nothing hidden.
+    pub fn new(course: Course, seed: u64, size_mm: Option<f64>) -> Result<Self> {
+        let stage = Stage::new(&course)?;
+        Ok(Self { course, stage, seed, size_mm })
+    }
+
+    /// Standard deviation of a reading's noise, mm.
+    pub fn noise_mm(&self) -> f64 {
+        NOISE.sigma_mm()
+    }
+
+    fn drawn(&self, request: Request) -> Result<Drawn> {
+        let Request { class, index } = request;
+        let size_mm = self.size_mm.unwrap_or_else(|| class.size_mm(index, NOISE.sigma_mm()));
+        let mut chance = Chance::new(self.seed, class, index, Purpose::Effects);
+        let names = if class == Class::Outside { &OUTSIDE[..] } else { &DRAWN[..] };
+        let hidden = self.stage.drawn(
+            &self.course,
+            &causes(names),
+            class.effects(),
+            size_mm,
+            &mut chance,
+        )?;
+        let days = days(&self.course, &mut Chance::new(self.seed, class, index, Purpose::Days));
+        Ok(Drawn { class, index, size_mm, hidden, days })
+    }
+
+    /// Does one trial, with its diagnosis kept.
+    ///
+    /// # Errors
+    /// When no effect of its size can be hidden.
+    pub fn replay(&self, request: Request) -> Result<Outcome> {
+        Ok(trial(&self.stage, &self.course, self.drawn(request)?, true))
+    }
+
+    /// Does trials, as many at a time as there are threads, each on one of them; `finished` is called after
+    /// each. The outcomes stand in the order of the requests.
+    ///
+    /// # Errors
+    /// When no effect of the size can be hidden.
+    pub fn run(
+        &self,
+        requests: &[Request],
+        finished: &(dyn Fn(&Outcome) + Sync),
+    ) -> Result<Vec<Outcome>> {
+        let next = AtomicUsize::new(0);
+        let (sender, receiver) = mpsc::channel();
+        let threads = rayon::current_num_threads().min(requests.len()).max(1);
+        std::thread::scope(|scope| {
+            for _ in 0..threads {
+                let (sender, next) = (sender.clone(), &next);
+                scope.spawn(move || {
+                    // Threads that share trials would take up one inside of another.
+                    let pool = match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
+                        Ok(pool) => pool,
+                        Err(error) => {
+                            let error = Error::new(Kind::Output, format!("no thread: {error}"));
+                            let _ = sender.send((0, Err(error)));
+                            return;
+                        }
+                    };
+                    loop {
+                        let index = next.fetch_add(1, Ordering::Relaxed);
+                        let Some(&request) = requests.get(index) else { return };
+                        let outcome = pool.install(|| {
+                            let drawn = self.drawn(request)?;
+                            Ok(trial(&self.stage, &self.course, drawn, false))
+                        });
+                        if let Ok(outcome) = &outcome {
+                            finished(outcome);
+                        }
+                        let _ = sender.send((index, outcome));
+                    }
+                });
+            }
+        });
+        drop(sender);
+        let mut outcomes: Vec<(usize, Result<Outcome>)> = receiver.into_iter().collect();
+        outcomes.sort_by_key(|(index, _)| *index);
+        outcomes.into_iter().map(|(_, outcome)| outcome).collect()
+    }
+}
