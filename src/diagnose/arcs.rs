@@ -41,14 +41,11 @@ struct Sums {
     products_after: (f64, f64),
 }
 
-/// The arcs of all programs, in the order in which they are driven.
-pub(super) fn arcs(
-    data: &Data,
-    campaign: &Campaign,
-    before_mm: &[Vec<f64>],
-    after_mm: &[Vec<f64>],
-) -> Vec<ArcShare> {
-    let before = floor::products(data, before_mm, |_, _| true);
+/// The arcs of all programs, in the order in which they are driven. The campaign is the one that the data are
+/// linear about: with another one samples and arcs would not be the same.
+pub(super) fn arcs(data: &Data, campaign: &Campaign, after_mm: &[Vec<f64>]) -> Vec<ArcShare> {
+    let before_mm = data.residuals_mm();
+    let before = floor::products(data, &before_mm, |_, _| true);
     let after = floor::products(data, after_mm, |_, _| true);
     let mut all: Vec<Sums> = Vec::new();
     for (index, (block, repeat)) in data.blocks.iter().zip(&campaign.repeats).enumerate() {

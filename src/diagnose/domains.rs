@@ -10,7 +10,7 @@ use crate::machine::Axis;
 use crate::model::Variable;
 
 /// Bins of the closest look; halved as long as that foretells more.
-const BINS: usize = 256;
+const BINS: usize = 512;
 /// Fewer than this are never taken.
 const FEWEST: usize = 32;
 /// Later than this after a reversal nothing is looked for, s.
@@ -57,7 +57,8 @@ impl Seen {
     }
 }
 
-/// The samples of all runs, and the names of the circles.
+/// The samples of all runs, and the names of the circles. The campaign is the one that the data are linear
+/// about.
 pub(super) fn seen(
     data: &Data,
     campaign: &Campaign,
@@ -398,9 +399,10 @@ mod tests {
         };
         let (before, after) = of(&samples(0.0));
         assert!(before.abs() < 0.01 && after.abs() < 0.01, "{before} {after}");
-        // Variance of the wave 0.5, of the noise 1/12.
+        // Variance of the wave 0.5, of the noise 1/12; each of 512 bins takes 5e-5 of noise for structure.
         let (before, after) = of(&samples(1.0));
         let expected = 0.5 / (0.5 + 1.0 / 12.0);
-        assert!((before - expected).abs() < 0.03 && after.abs() < 0.01, "{before} {after}");
+        assert!((before - expected).abs() < 0.03, "{before}");
+        assert!((-0.05..0.01).contains(&after), "{after}");
     }
 }

@@ -4,8 +4,7 @@
 //! in the knots by chance: it is taken off first, by a fit that heeds large values less and less.
 
 use super::element::Element;
-use crate::model::Form;
-use crate::model::{Empirical, Variable};
+use crate::model::{Empirical, Form, Variable};
 use crate::solve::{Cholesky, Matrix};
 
 /// Fits of the trend; each heeds what stands out of the one before less.

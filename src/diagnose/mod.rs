@@ -117,13 +117,11 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         (columns.iter().map(|c| dot(c, c)).sum::<f64>() / samples.max(1) as f64).sqrt()
     };
     let left = data.left_mm.clone();
-    // About the extended model a few more samples, or fewer, take part.
-    let before = data.residuals_mm();
     // From here on, effects are fitted beside the model alone.
     data.accept(&[]);
     let fitted = chosen.as_ref().map(|chosen| &chosen.fitted);
-    let (runs, arcs) = gain::by_run(&data, &left, fitted);
-    let explained = fitted.and_then(|_| gain::explained(&arcs));
+    let (runs, by_arc) = gain::by_run(&data, &left, fitted);
+    let explained = fitted.and_then(|_| gain::explained(&by_arc));
     let verdict = Verdict {
         before_mm,
         after_mm: mean(&left),
@@ -142,7 +140,10 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         }
         _ => Vec::new(),
     };
-    let views = views(&data, campaign, &left, noise.long_run_mm2);
+    // About the extended model a few more samples, or fewer, take part.
+    let shown = extended.as_ref().unwrap_or(campaign);
+    let views = views(&data, shown, &left, noise.long_run_mm2);
+    let arcs = arcs::arcs(&data, shown, &left);
     let pictures = fitted.map_or_else(Vec::new, |fitted| {
         let of = |k| picture::picture(&data, fitted, k, &left, noise.long_run_mm2);
         (0..fitted.elements.len()).map(of).collect()
@@ -157,7 +158,7 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         unseen: Vec::new(),
         views,
         pictures,
-        arcs: arcs::arcs(&data, campaign, &before, &left),
+        arcs,
         left_out: campaign.left_out.iter().map(|(run, e)| (run.clone(), e.what.clone())).collect(),
         samples,
         extended,
