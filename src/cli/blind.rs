@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
+use std::sync::Mutex;
 
 use clap::Args;
 use serde_json::json;
@@ -84,11 +85,20 @@ impl Arguments {
         };
         let session = Session::new(course, self.seed, self.size.map(|um| um * 1e-3))?;
         if let Some(request) = self.trial {
-            return self.replay(&session, request, common);
+            return replay(&session, request, common);
         }
         let requests = self.requests();
         let progress = talk.progress(requests.len(), "trials");
-        let outcomes = session.run(&requests, &|_| progress.inc(1));
+        let listed = self.list && !common.json;
+        let lines = Mutex::new(InOrder { requests: &requests, ready: Vec::new(), told: 0 });
+        let outcomes = session.run(&requests, &|outcome| {
+            if let (true, Ok(mut lines)) = (listed, lines.lock()) {
+                let due = lines.with(outcome);
+                // What cannot be written will be told with the table.
+                progress.suspend(|| output::print(&due)).ok();
+            }
+            progress.inc(1);
+        });
         progress.finish_and_clear();
         let outcomes = outcomes?;
         if common.json {
@@ -97,9 +107,8 @@ impl Arguments {
                 json!({ "seed": self.seed, "noise_um": 1e3 * session.noise_mm(), "trials": list });
             return output::print(&format!("{all:#}\n"));
         }
-        if self.list {
-            let lines: String = outcomes.iter().map(line).collect();
-            output::print(&format!("{lines}\n"))?;
+        if listed {
+            output::print("\n")?;
         }
         output::print_summary(&table(&outcomes, session.noise_mm()))
     }
@@ -113,36 +122,59 @@ impl Arguments {
         })
         .collect()
     }
+}
 
-    fn replay(&self, session: &Session, request: Request, common: &Common) -> Result<()> {
-        let outcome = session.replay(request)?;
-        if common.json {
-            return output::print(&format!("{:#}\n", as_json(&outcome)));
+/// One trial with all that its diagnosis says.
+fn replay(session: &Session, request: Request, common: &Common) -> Result<()> {
+    let outcome = session.replay(request)?;
+    if common.json {
+        return output::print(&format!("{:#}\n", as_json(&outcome)));
+    }
+    if let Some(failure) = &outcome.failure {
+        return Err(Error::input(failure.clone()));
+    }
+    let mut text = line(&outcome);
+    let Some(findings) = &outcome.findings else { return output::print(&text) };
+    for finding in findings {
+        let _ = writeln!(text, "found, {:.3} um rms:", 1e3 * finding.rms_mm);
+        match finding.element.shape() {
+            Some(shape) => _ = writeln!(text, "  {}", shape.name()),
+            None => _ = writeln!(text, "  {:?}", finding.element.form),
         }
-        if let Some(failure) = &outcome.failure {
-            return Err(Error::input(failure.clone()));
+        for number in &finding.numbers {
+            let sigma = number.sigma.map_or(String::new(), |sigma| format!(" +- {sigma:.4}"));
+            let _ = writeln!(text, "    {} = {:.4}{sigma}", number.name, number.value);
         }
-        let mut text = line(&outcome);
-        let Some(findings) = &outcome.findings else { return output::print(&text) };
-        for finding in findings {
-            let _ = writeln!(text, "found, {:.3} um rms:", 1e3 * finding.rms_mm);
-            match finding.element.shape() {
-                Some(shape) => _ = writeln!(text, "  {}", shape.name()),
-                None => _ = writeln!(text, "  {:?}", finding.element.form),
-            }
-            for number in &finding.numbers {
-                let sigma = number.sigma.map_or(String::new(), |sigma| format!(" +- {sigma:.4}"));
-                let _ = writeln!(text, "    {} = {:.4}{sigma}", number.name, number.value);
-            }
-            for rival in &finding.rivals {
-                if let Some(shape) = rival.element.shape() {
-                    let told = format!("{:?}", rival.told).to_lowercase();
-                    let share = 100.0 * rival.share;
-                    let _ = writeln!(text, "    or {}: {share:.2} %, {told}", shape.name());
-                }
+        for rival in &finding.rivals {
+            if let Some(shape) = rival.element.shape() {
+                let told = format!("{:?}", rival.told).to_lowercase();
+                let share = 100.0 * rival.share;
+                let _ = writeln!(text, "    or {}: {share:.2} %, {told}", shape.name());
             }
         }
-        output::print(&text)
+    }
+    output::print(&text)
+}
+
+/// Lines of trials, told in the order in which they were asked for.
+struct InOrder<'a> {
+    requests: &'a [Request],
+    ready: Vec<(Request, String)>,
+    told: usize,
+}
+
+impl InOrder<'_> {
+    /// The lines that are due with this outcome.
+    fn with(&mut self, outcome: &Outcome) -> String {
+        let request = Request { class: outcome.class, index: outcome.index };
+        self.ready.push((request, line(outcome)));
+        let mut due = String::new();
+        while let Some(next) = self.requests.get(self.told) {
+            let Some(place) = self.ready.iter().position(|(of, _)| of == next) else { break };
+            due.push_str(&self.ready.swap_remove(place).1);
+            self.told += 1;
+        }
+        due
     }
 }
 

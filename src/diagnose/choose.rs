@@ -15,7 +15,7 @@ use super::element::{Element, Owner};
 use super::joint::{self, Fitted};
 use super::noise::Noise;
 use super::screen::{Candidate, Screen};
-use crate::model::{Component, Form, Kind, Seat};
+use crate::model::{Component, Form, Kind, Seat, Variable};
 
 /// More effects than this are not looked for at once.
 const MOST_EFFECTS: usize = 6;
@@ -28,9 +28,13 @@ const BEYOND_CHANCE: f64 = 50.0;
 /// And be this large against the noise of a reading, rms: what is smaller nobody misses.
 const WORTH_NAMING: f64 = 0.1;
 /// A cause that explains less than this share of what a curve does is not named.
-const OF_A_CURVE: f64 = 0.85;
+const OF_A_CURVE: f64 = 0.95;
 /// Causes in place of a curve explain at least this share of what the curve does.
 const INSTEAD_OF_A_CURVE: f64 = 0.99;
+/// Waves longer than this are smooth, mm.
+const SMOOTH_MM: f64 = 25.0;
+/// A cause smaller than this part of the largest curve, rms, is a part of what the curve describes.
+const SHADOW: f64 = 0.25;
 /// Two effects whose traces differ by less than this share of their squares are the same in these runs.
 const SAME: f64 = 1e-3;
 /// Effects whose difference is within so many of its standard deviations are not decided between.
@@ -87,6 +91,8 @@ impl Search<'_> {
     pub(super) fn run(&mut self) -> Option<Chosen> {
         let mut fitted = self.forward(None, true, MOST_EFFECTS)?;
         fitted = self.without_curves(fitted);
+        fitted = self.without_makeshifts(fitted);
+        fitted = self.without_shadows(fitted)?;
         let mut rivals = vec![Vec::new(); fitted.elements.len()];
         let mut index = 0;
         let mut replaced = 0;
@@ -205,6 +211,59 @@ impl Search<'_> {
         best
     }
 
+    /// A curve in place of several smooth causes on one seat that together do no better than it: waves and
+    /// powers can be piled up to any bump.
+    fn without_makeshifts(&mut self, fitted: Fitted) -> Fitted {
+        let mut best = fitted;
+        let seats: Vec<Seat> = best.elements.iter().filter_map(smooth_seat).collect();
+        for (index, seat) in seats.iter().enumerate() {
+            let others = seats.iter().filter(|other| *other == seat).count();
+            if others < 2 || seats[..index].contains(seat) {
+                continue;
+            }
+            let kept: Vec<Element> =
+                best.elements.iter().filter(|e| smooth_seat(e) != Some(*seat)).cloned().collect();
+            let start = if kept.is_empty() { None } else { self.fit_all(kept) };
+            self.accept(start.as_ref());
+            let noise = Noise::of(self.data);
+            let of_seat = curves::curves(&self.screen.channels, &noise).into_iter().find(|curve| {
+                curve.empirical.seat == *seat
+                    && !curve.empirical.with_sense
+                    && matches!(curve.empirical.variable, Variable::Position(_))
+            });
+            let Some(curve) = of_seat else { continue };
+            let before = start.iter().flat_map(|fitted| fitted.elements.clone());
+            let form = Form::Empirical(curve.empirical);
+            let elements = before.chain([Element { form, owner: Owner::All }]).collect();
+            let Some(instead) = self.fit_all(elements) else { continue };
+            self.accept(Some(&instead));
+            if self.score(&instead) > OF_A_CURVE * self.score(&best) {
+                best = instead;
+            }
+        }
+        self.accept(Some(&best));
+        best
+    }
+
+    /// Without the causes that are small beside a curve: what a curve leaves of an effect that nobody knows
+    /// is no cause.
+    fn without_shadows(&mut self, fitted: Fitted) -> Option<Fitted> {
+        let size = |k: usize| super::data::norm2(&fitted.part(k).effect(self.data)).sqrt();
+        let of_curves =
+            (0..fitted.elements.len()).filter(|k| fitted.elements[*k].shape().is_none());
+        let largest = of_curves.map(size).fold(0.0, f64::max);
+        let kept: Vec<Element> = (0..fitted.elements.len())
+            .filter(|k| fitted.elements[*k].shape().is_none() || size(*k) > SHADOW * largest)
+            .map(|k| fitted.elements[k].clone())
+            .collect();
+        if kept.len() == fitted.elements.len() {
+            return Some(fitted);
+        }
+        let fitted = self.fit_all(kept);
+        self.accept(fitted.as_ref());
+        fitted
+    }
+
     /// Gain less what the numbers gain by chance, mm².
     fn score(&self, fitted: &Fitted) -> f64 {
         let noise = Noise::of(self.data);
@@ -290,6 +349,16 @@ impl Search<'_> {
             }
         }
         trace
+    }
+}
+
+/// The seat of a cause that is smooth over the position of its slide.
+fn smooth_seat(element: &Element) -> Option<Seat> {
+    let shape = element.shape()?;
+    match (shape.cause.kind, shape.inner) {
+        (Kind::Degree, _) => Some(shape.seat),
+        (Kind::Cyclic, Some(period_mm)) if period_mm > SMOOTH_MM => Some(shape.seat),
+        _ => None,
     }
 }
 

@@ -34,9 +34,9 @@ const ALIKE: f64 = 0.9;
 pub struct Trace {
     /// Outside of the model, repeat after repeat.
     outside_mm: Vec<f64>,
-    /// Root mean square of the whole change, mm.
-    whole_rms_mm: f64,
-    /// Its largest change, mm.
+    /// Share of its rms that lies there.
+    share: f64,
+    /// Its largest change, of the whole, mm.
     largest_mm: f64,
 }
 
@@ -49,7 +49,7 @@ impl Trace {
 
     /// Share of the rms that lies outside of the model.
     pub fn share(&self) -> f64 {
-        if self.whole_rms_mm > 0.0 { self.rms_mm() / self.whole_rms_mm } else { 0.0 }
+        self.share
     }
 
     /// Correlation with another trace outside of the model, -1 to 1.
@@ -136,7 +136,7 @@ impl Stage {
         }
         let changed = simulate_all(course, &scenarios)?;
         let mut outside_mm = Vec::new();
-        let (mut squares, mut count, mut largest_mm) = (0.0, 0_usize, 0.0_f64);
+        let (mut squares, mut largest_mm) = (0.0, 0.0_f64);
         for block in &self.blocks {
             let mut change: Vec<f64> = block
                 .readings
@@ -149,7 +149,6 @@ impl Stage {
                 })
                 .collect();
             squares += change.iter().map(|c| c * c).sum::<f64>();
-            count += change.len();
             largest_mm = change.iter().fold(largest_mm, |most, c| most.max(c.abs()));
             let rank = block.linear.rank.max(1);
             let mut along = vec![0.0; rank];
@@ -163,8 +162,9 @@ impl Stage {
             }
             outside_mm.extend(change);
         }
-        let whole_rms_mm = (squares / count.max(1) as f64).sqrt();
-        Ok(Trace { outside_mm, whole_rms_mm, largest_mm })
+        let outside: f64 = outside_mm.iter().map(|c| c * c).sum();
+        let share = if squares > 0.0 { (outside / squares).sqrt() } else { 0.0 };
+        Ok(Trace { outside_mm, share, largest_mm })
     }
 
     /// Draws effects of these causes that differ from each other, each of a size, mm rms.
