@@ -72,21 +72,27 @@ pub(super) fn seen(
     for (number, ((block, after_mm), repeat)) in repeats.enumerate() {
         for (index, range) in block.runs.iter().enumerate() {
             let alignment = &repeat.runs[index].alignment;
+            // The arc and its circle.
+            let mut last: Option<(usize, usize)> = None;
             for k in range.clone() {
                 let sample = &block.samples[k];
                 let Place::Arc(arc) = alignment.samples[sample.sample].place else { continue };
                 let section = &alignment.sections[arc];
                 let at = &sample.situation;
                 let u = &at.direction;
-                let name = section.circle.name();
-                let circle = circles.iter().position(|known| *known == name);
-                let circle = circle.unwrap_or_else(|| {
-                    circles.push(name);
-                    circles.len() - 1
-                });
+                if last.is_none_or(|(known, _)| known != arc) {
+                    let name = section.circle.name();
+                    let known = circles.iter().position(|known| *known == name);
+                    let circle = known.unwrap_or_else(|| {
+                        circles.push(name);
+                        circles.len() - 1
+                    });
+                    last = Some((arc, circle));
+                }
+                let circle = last.map_or(0, |(_, circle)| circle);
                 let mut values = [f64::NAN; VALUES];
-                for (axis, value) in Axis::ALL.into_iter().zip(0..) {
-                    let i: usize = value;
+                for axis in Axis::ALL {
+                    let i = axis.index();
                     values[i] = at.pose.position_mm[i];
                     values[3 + i] = at.motion.velocity_mm_s[i];
                     let since = Variable::SinceReversal(axis).value(&at.pose, &at.motion);
