@@ -12,7 +12,8 @@ use crate::report::{self, Analysis};
 
 /// Align the logs of a test, identify the machine, say what the model gets wrong, write the report
 ///
-/// Writes report.html, analysis.json and samples-RUN.csv, and prints the summary.
+/// Writes report.html, analysis.json and samples-RUN.csv, where something was found model.toml, and prints
+/// the summary.
 #[derive(Args)]
 #[command(after_help = "Examples:
   ballbar analyse test.toml
@@ -55,6 +56,10 @@ pub(super) fn add_results(
         report::html::render(analysis, &identified.campaign.repeats)?,
     );
     files.add(directory.join("analysis.json"), json.clone());
+    if let Some(diagnosis) = identified.diagnosis.as_ref().filter(|d| !d.nothing_found()) {
+        let model = diagnosis.model_file(&identified.campaign);
+        files.add(directory.join("model.toml"), model.to_toml());
+    }
     for identification in &identified.campaign.repeats {
         for (run, records) in identification.runs.iter().zip(&identification.records) {
             let mut text = Vec::new();

@@ -14,7 +14,8 @@ use crate::report;
 ///
 /// Aligns and identifies like `analyse`, then searches the residuals for effects that the model lacks and
 /// measures what they explain on runs that took no part. A run whose log does not fit its program is left
-/// out and named. Writes report.html, analysis.json and samples-RUN.csv, and prints the diagnosis.
+/// out and named. Writes report.html, analysis.json, samples-RUN.csv and, where something was found, the
+/// extended model as model.toml, and prints the diagnosis.
 #[derive(Args)]
 #[command(after_help = "Examples:
   ballbar diagnose test.toml

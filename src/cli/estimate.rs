@@ -9,6 +9,7 @@ use crate::diagnose::{self, Diagnosis};
 use crate::error::Result;
 use crate::identify::{Campaign, Failure};
 use crate::machine::Machine;
+use crate::model::ModelFile;
 use crate::plan::{Loss, Test};
 use crate::report::{Analysis, DiagnosisFacts};
 
@@ -21,6 +22,9 @@ pub(super) struct Selection {
     /// Terms instead of the test file's: sets, names, -NAME; separated by commas
     #[arg(long, value_name = "TERMS", value_delimiter = ',', allow_hyphen_values = true)]
     terms: Vec<String>,
+    /// Terms and curves of a model that `diagnose` has written, instead of the test file's
+    #[arg(long, value_name = "FILE", conflicts_with = "terms")]
+    model: Option<PathBuf>,
     /// Weights of far-off samples
     #[arg(long, value_enum)]
     loss: Option<Weights>,
@@ -48,7 +52,7 @@ pub(super) struct Identified {
 impl Selection {
     /// The test as its file says.
     pub(super) fn of_file(test: PathBuf) -> Self {
-        Self { test, terms: Vec::new(), loss: None, minimum_norm: false }
+        Self { test, terms: Vec::new(), model: None, loss: None, minimum_norm: false }
     }
 
     /// Reads the test and identifies its runs; one that cannot be fails the test.
@@ -64,6 +68,9 @@ impl Selection {
         if !self.terms.is_empty() {
             estimation.terms.clone_from(&self.terms);
             estimation.minimum_norm |= self.terms.iter().any(|name| name == "all");
+        }
+        if let Some(file) = &self.model {
+            estimation.take(&ModelFile::read(file)?);
         }
         if let Some(loss) = self.loss {
             estimation.loss = match loss {

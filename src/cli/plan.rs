@@ -8,6 +8,7 @@ use super::Common;
 use super::output::{self, Files, Talk};
 use crate::design::Outlook;
 use crate::error::Result;
+use crate::model::ModelFile;
 use crate::plan::Test;
 use crate::report::{self, PlanReport, Planned};
 
@@ -29,6 +30,9 @@ pub(super) struct Arguments {
     /// How often each test is run: the mean of N knows better by the root of N
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeats: u32,
+    /// Terms of a model that `diagnose` has written, instead of the test files'
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
     /// List all that the tests cannot tell, and several tests each by itself
     #[arg(long)]
     all: bool,
@@ -36,8 +40,14 @@ pub(super) struct Arguments {
 
 impl Arguments {
     pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
+        let model = self.model.as_deref().map(ModelFile::read).transpose()?;
         let tests = self.tests.iter().map(|file| {
-            let test = Test::read(file)?;
+            let mut test = Test::read(file)?;
+            if let Some(model) = &model {
+                let mut estimation = test.estimation().clone();
+                estimation.take(model);
+                test = test.with_estimation(estimation);
+            }
             let machine = test.machine()?;
             Ok((test, machine))
         });

@@ -8,7 +8,7 @@ use super::Common;
 use super::output::{self, Files, Talk};
 use crate::design::PlannedProgram;
 use crate::error::{Error, Kind, Result};
-use crate::model::Effect;
+use crate::model::{Effect, ModelFile};
 use crate::nc;
 use crate::plan::Test;
 use crate::simulate::{Coincidence, Scenario, SimulatedRun, TrueRun, run, truth_toml};
@@ -35,6 +35,9 @@ pub(super) struct Arguments {
     /// Hide an effect, besides those of the scenario: CAUSE:key=value,... Give it again for several
     #[arg(long, value_name = "EFFECT")]
     hide: Vec<String>,
+    /// Coefficients, set-up errors and effects of a model that `diagnose` has written
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
     /// Where everything random begins; overrides the scenario's
     #[arg(long)]
     seed: Option<u64>,
@@ -65,6 +68,9 @@ impl Arguments {
         };
         if let Some(seed) = self.seed {
             scenario.seed = seed;
+        }
+        if let Some(file) = &self.model {
+            scenario.take(&ModelFile::read(file)?)?;
         }
         for effect in &self.hide {
             scenario.hide(Effect::parse(effect)?)?;

@@ -15,6 +15,7 @@ use super::element::{Element, Owner};
 use super::joint::{self, Fitted};
 use super::noise::Noise;
 use super::screen::{Candidate, Screen};
+use crate::machine::Axis;
 use crate::model::{Component, Form, Kind, Seat, Variable};
 
 /// More effects than this are not looked for at once.
@@ -35,6 +36,8 @@ const INSTEAD_OF_A_CURVE: f64 = 0.99;
 const SMOOTH_MM: f64 = 25.0;
 /// A cause smaller than this part of the largest curve, rms, is a part of what the curve describes.
 const SHADOW: f64 = 0.25;
+/// And one this many times larger, rms, than what all effects explain together is there to cancel another.
+const FIGHTING: f64 = 2.0;
 /// Two effects whose traces differ by less than this share of their squares are the same in these runs.
 const SAME: f64 = 1e-3;
 /// Effects whose difference is within so many of its standard deviations are not decided between.
@@ -211,27 +214,29 @@ impl Search<'_> {
         best
     }
 
-    /// A curve in place of several smooth causes on one seat that together do no better than it: waves and
-    /// powers can be piled up to any bump.
+    /// A curve in place of several smooth causes on one slide that together do no better than it, and of any
+    /// beside a curve over its position: waves and powers can be piled up to any bump.
     fn without_makeshifts(&mut self, fitted: Fitted) -> Fitted {
         let mut best = fitted;
-        let seats: Vec<Seat> = best.elements.iter().filter_map(smooth_seat).collect();
-        for (index, seat) in seats.iter().enumerate() {
-            let others = seats.iter().filter(|other| *other == seat).count();
-            if others < 2 || seats[..index].contains(seat) {
+        for slide in Axis::ALL {
+            let smooth = best.elements.iter().filter(|e| smooth_slide(e) == Some(slide)).count();
+            let described = best.elements.iter().any(|e| described_slide(e) == Some(slide));
+            if smooth + usize::from(described) < 2 || smooth == 0 {
                 continue;
             }
-            let kept: Vec<Element> =
-                best.elements.iter().filter(|e| smooth_seat(e) != Some(*seat)).cloned().collect();
+            let kept: Vec<Element> = best
+                .elements
+                .iter()
+                .filter(|e| smooth_slide(e) != Some(slide) && described_slide(e) != Some(slide))
+                .cloned()
+                .collect();
             let start = if kept.is_empty() { None } else { self.fit_all(kept) };
             self.accept(start.as_ref());
             let noise = Noise::of(self.data);
-            let of_seat = curves::curves(&self.screen.channels, &noise).into_iter().find(|curve| {
-                curve.empirical.seat == *seat
-                    && !curve.empirical.with_sense
-                    && matches!(curve.empirical.variable, Variable::Position(_))
+            let over_slide = curves::curves(&self.screen.channels, &noise).into_iter().find(|c| {
+                !c.empirical.with_sense && c.empirical.variable == Variable::Position(slide)
             });
-            let Some(curve) = of_seat else { continue };
+            let Some(curve) = over_slide else { continue };
             let before = start.iter().flat_map(|fitted| fitted.elements.clone());
             let form = Form::Empirical(curve.empirical);
             let elements = before.chain([Element { form, owner: Owner::All }]).collect();
@@ -246,17 +251,19 @@ impl Search<'_> {
     }
 
     /// Without the causes that are small beside a curve: what a curve leaves of an effect that nobody knows
-    /// is no cause.
+    /// is no cause. Nor are those that are much larger than what all together explain: they fight others.
     fn without_shadows(&mut self, fitted: Fitted) -> Option<Fitted> {
         let size = |k: usize| super::data::norm2(&fitted.part(k).effect(self.data)).sqrt();
         let of_curves =
             (0..fitted.elements.len()).filter(|k| fitted.elements[*k].shape().is_none());
         let largest = of_curves.map(size).fold(0.0, f64::max);
+        let most = FIGHTING * fitted.gain_mm2.max(0.0).sqrt();
+        let credible = |k: usize| size(k) > SHADOW * largest && size(k) < most;
         let kept: Vec<Element> = (0..fitted.elements.len())
-            .filter(|k| fitted.elements[*k].shape().is_none() || size(*k) > SHADOW * largest)
+            .filter(|k| fitted.elements[*k].shape().is_none() || credible(*k))
             .map(|k| fitted.elements[k].clone())
             .collect();
-        if kept.len() == fitted.elements.len() {
+        if kept.len() == fitted.elements.len() || kept.is_empty() {
             return Some(fitted);
         }
         let fitted = self.fit_all(kept);
@@ -352,12 +359,24 @@ impl Search<'_> {
     }
 }
 
-/// The seat of a cause that is smooth over the position of its slide.
-fn smooth_seat(element: &Element) -> Option<Seat> {
+/// The slide of a cause that is smooth over its position.
+fn smooth_slide(element: &Element) -> Option<Axis> {
     let shape = element.shape()?;
+    let Seat::Function(slide, _) = shape.seat else { return None };
     match (shape.cause.kind, shape.inner) {
-        (Kind::Degree, _) => Some(shape.seat),
-        (Kind::Cyclic, Some(period_mm)) if period_mm > SMOOTH_MM => Some(shape.seat),
+        (Kind::Degree, _) => Some(slide),
+        (Kind::Cyclic, Some(period_mm)) if period_mm > SMOOTH_MM => Some(slide),
+        _ => None,
+    }
+}
+
+/// The slide over whose position a curve runs.
+fn described_slide(element: &Element) -> Option<Axis> {
+    match &element.form {
+        Form::Empirical(curve) if !curve.with_sense => match curve.variable {
+            Variable::Position(slide) => Some(slide),
+            _ => None,
+        },
         _ => None,
     }
 }

@@ -42,12 +42,12 @@ mod tests {
 
     #[test]
     fn harmonics_of_a_degree_are_orthonormal_over_the_sphere() {
-        // Gauss's rule is not needed: 200 x 400 midpoints are good to 1e-4.
+        // Midpoints over z converge slowly at the poles; a thousand are good to 1e-4.
         for degree in 0..=6 {
             let count = 2 * degree + 1;
             let mut products = vec![0.0; count * count];
-            for i in 0..200 {
-                let z = (f64::from(i) + 0.5) / 100.0 - 1.0;
+            for i in 0..1000 {
+                let z = (f64::from(i) + 0.5) / 500.0 - 1.0;
                 for k in 0..40 {
                     let phi = (f64::from(k) + 0.5) * std::f64::consts::TAU / 40.0;
                     let radius = (1.0 - z * z).sqrt();
@@ -56,7 +56,7 @@ mod tests {
                     harmonics(degree, &direction, &mut y);
                     for a in 0..count {
                         for b in 0..count {
-                            products[a * count + b] += y[a] * y[b] / 8000.0;
+                            products[a * count + b] += y[a] * y[b] / 40_000.0;
                         }
                     }
                 }
@@ -65,7 +65,7 @@ mod tests {
                 for b in 0..count {
                     let expected = if a == b { 1.0 } else { 0.0 };
                     let found: f64 = products[a * count + b];
-                    assert!((found - expected).abs() < 2e-3, "{degree}: {a} {b} {found}");
+                    assert!((found - expected).abs() < 2e-4, "{degree}: {a} {b} {found}");
                 }
             }
         }

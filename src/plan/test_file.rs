@@ -12,7 +12,7 @@ use super::raw_mounting::check_mountings;
 use super::{Arc, DesignRequest, Operator, Strategy};
 use crate::error::{Error, Place, Result};
 use crate::machine::{Machine, Mounting};
-use crate::model::Empirical;
+use crate::model::{Empirical, ModelFile};
 use crate::toml_text::{self, Text};
 
 /// The instrument.
@@ -116,6 +116,14 @@ pub struct Estimation {
     pub minimum_norm: bool,
     /// Curves that are held beside the terms, with their values at the knots.
     pub curves: Vec<(Empirical, Vec<f64>)>,
+}
+
+impl Estimation {
+    /// Takes the terms and the curves of a model file instead.
+    pub fn take(&mut self, model: &ModelFile) {
+        self.terms.clone_from(&model.terms);
+        self.curves.clone_from(&model.curves);
+    }
 }
 
 /// How far-off samples are weighted.

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::{Clock, ClockMoment, Coincidence, Scenario, hidden};
 use crate::error::Result;
 use crate::machine::{Axis, ChainErrors, Machine, Mounting, Pose};
-use crate::model::{Ball, Effect, Reversal};
+use crate::model::{Ball, Effect, Motion, Reversal, Term};
 use crate::motion::{Reversals, State, Trajectory};
 
 /// Short against everything a program does, long against the rounding of its times, s.
@@ -58,6 +58,15 @@ pub(super) struct Condition {
 }
 
 impl Condition {
+    fn motion(&self) -> Motion {
+        Motion {
+            velocity_mm_s: self.velocity_mm_s,
+            elapsed_s: self.elapsed_s,
+            reversals: self.reversals,
+            ..Motion::REST
+        }
+    }
+
     /// Before anything moved.
     fn rest(position_mm: Vector3<f64>) -> Self {
         Self {
@@ -169,6 +178,10 @@ impl Bent {
         };
         hidden::add_to_slides(&self.hidden, now, &mut errors.slides);
         hidden::add_to_balls(&self.hidden, now, &mut errors);
+        let motion = now.motion();
+        for (curve, values) in &self.scenario.curves {
+            curve.bend(values, &pose, &motion, 0, &mut errors);
+        }
         errors
     }
 
@@ -176,6 +189,11 @@ impl Bent {
     pub(super) fn length_mm(&self, now: &Condition) -> f64 {
         let place_mm = now.position_mm + now.lag_mm + hidden::displacement_mm(&self.hidden, now);
         let ball_mm = self.machine.ball_vector_mm(&self.mounting, &place_mm, &self.errors(now));
-        ball_mm.norm() + hidden::reading_mm(&self.hidden, now, &ball_mm)
+        let pose = Pose { position_mm: now.position_mm, sense: now.sense };
+        let curves = self.scenario.curves.iter().map(|(curve, values)| {
+            curve.lengthen(values, &pose, &now.motion(), 0, &ball_mm.normalize())
+        });
+        let curves_mm: f64 = curves.sum();
+        ball_mm.norm() + hidden::reading_mm(&self.hidden, now, &ball_mm) + curves_mm
     }
 }

@@ -3,7 +3,8 @@
 use nalgebra::Vector3;
 
 use super::Noise;
-use crate::model::{Ball, Coefficient, Effect, ErrorFunctions, SetUp};
+use crate::error::{Error, Result};
+use crate::model::{Ball, Coefficient, Effect, Empirical, ErrorFunctions, ModelFile, SetUp};
 
 /// How long the operator pauses at every M00.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,6 +73,8 @@ pub struct Scenario {
     pub after_s: f64,
     /// What the machine, the bar or the files do besides; [`Scenario::hide`] adds to it and checks.
     pub hidden: Vec<Effect>,
+    /// Curves that a diagnosis has described, with their values at the knots, mm or rad.
+    pub curves: Vec<(Empirical, Vec<f64>)>,
     /// Which run of its campaign this is, counted from 1: a ball is knocked in one of them.
     pub run_number: u32,
 }
@@ -163,6 +166,7 @@ impl Scenario {
             range_mm: None,
             after_s: 5.0,
             hidden: Vec::new(),
+            curves: Vec::new(),
             run_number: 1,
         }
     }
@@ -179,6 +183,33 @@ impl Scenario {
     pub fn with_run_number(mut self, run_number: u32) -> Self {
         self.run_number = run_number;
         self
+    }
+
+    /// Puts a model file in place of the coefficients and set-up errors, and hides its effects and curves.
+    ///
+    /// # Errors
+    /// An unknown coefficient or set-up error; an effect that cannot be hidden.
+    pub fn take(&mut self, model: &ModelFile) -> Result<()> {
+        let unknown = |name: &String| {
+            Error::input(format!("unknown name `{name}` in the model file"))
+                .hint("take the file as `ballbar diagnose` has written it")
+        };
+        self.errors = ErrorFunctions::default();
+        for (name, value) in &model.coefficients {
+            let coefficient = Coefficient::parse(name).ok_or_else(|| unknown(name))?;
+            self.errors.set(coefficient, *value);
+        }
+        for set_up in SetUp::all() {
+            self.set_set_up(set_up, 0.0);
+        }
+        for (name, value) in &model.set_up {
+            self.set_set_up(SetUp::parse(name).ok_or_else(|| unknown(name))?, *value);
+        }
+        for effect in &model.effects {
+            self.hide(effect.clone())?;
+        }
+        self.curves.clone_from(&model.curves);
+        Ok(())
     }
 
     /// Value of a set-up error, mm.
