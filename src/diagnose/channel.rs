@@ -26,7 +26,7 @@ pub(super) struct Place {
 
 impl Place {
     /// What a sample is worth, and where it lies; `None` where the variable has no value.
-    pub(super) fn of(&self, sample: &LinearSample) -> Option<(f64, f64)> {
+    pub(super) fn of(self, sample: &LinearSample) -> Option<(f64, f64)> {
         let at = &sample.situation;
         let value = self.variable.value(&at.pose, &at.motion)?;
         let sense = match self.variable.slide() {
@@ -119,8 +119,6 @@ pub(super) struct Channel {
 pub(super) struct Explained {
     /// By how much it lowers the sum of squares, mm².
     pub(super) gain_mm2: f64,
-    /// The amplitudes, one a shape.
-    pub(super) amplitudes: Vec<f64>,
     /// Which part of its square lies outside of what is spanned, 0 to 1.
     pub(super) seen: f64,
 }
@@ -224,18 +222,6 @@ impl Channel {
         total
     }
 
-    /// What shapes over the bins explain without regard to what is spanned: right for shapes that wave so
-    /// fast that the cubics do not follow.
-    pub(super) fn explained_raw(&self, sums: &Sums, sine: &[f64], cosine: &[f64]) -> f64 {
-        let (ss, cc, sc) = sums.products(sine, cosine);
-        let (se, ce) = (dot(sine, &sums.common), dot(cosine, &sums.common));
-        let determinant = ss * cc - sc * sc;
-        if determinant <= 1e-9 * ss * cc {
-            return 0.0;
-        }
-        (cc * se * se - 2.0 * sc * se * ce + ss * ce * ce) / determinant
-    }
-
     /// Sums over all blocks.
     pub(super) fn sums(&self) -> Sums {
         let mut common = vec![0.0; self.centers.len()];
@@ -309,7 +295,7 @@ impl Channel {
         let cholesky = Cholesky::of(&gram)?;
         let amplitudes = cholesky.solve(&common);
         let gain_mm2 = dot(&amplitudes, &common);
-        Some(Explained { gain_mm2, amplitudes, seen })
+        Some(Explained { gain_mm2, seen })
     }
 }
 
@@ -321,6 +307,18 @@ pub(super) struct Sums {
 }
 
 impl Sums {
+    /// What a wave over the bins explains, mm², without regard to what is spanned: right for shapes that wave so
+    /// fast that the cubics do not follow.
+    pub(super) fn explained(&self, sine: &[f64], cosine: &[f64]) -> f64 {
+        let (ss, cc, sc) = self.products(sine, cosine);
+        let (se, ce) = (dot(sine, &self.common), dot(cosine, &self.common));
+        let determinant = ss * cc - sc * sc;
+        if determinant <= 1e-9 * ss * cc {
+            return 0.0;
+        }
+        (cc * se * se - 2.0 * sc * se * ce + ss * ce * ce) / determinant
+    }
+
     fn products(&self, sine: &[f64], cosine: &[f64]) -> (f64, f64, f64) {
         let (mut ss, mut cc, mut sc) = (0.0, 0.0, 0.0);
         for ((s, c), d) in sine.iter().zip(cosine).zip(&self.squares) {

@@ -75,7 +75,7 @@ fn on_knots(channel: &Channel, count: usize) -> Option<Empirical> {
     if knots.last().is_some_and(|knot| knot < last) {
         knots.push(*last);
     }
-    (knots.len() > 3).then(|| Empirical {
+    (knots.len() > 3).then_some(Empirical {
         seat: channel.place.seat,
         variable: channel.place.variable,
         with_sense: channel.place.with_sense,

@@ -24,9 +24,9 @@ pub(super) fn moved(
     for (index, block) in data.blocks.iter().enumerate() {
         let columns: Vec<&[f64]> = fitted.columns.iter().map(|c| c[index].as_slice()).collect();
         let along = block.along(&columns);
-        for k in 0..parameters {
-            for (j, along) in along.iter().enumerate() {
-                per_number[k][j] -= super::data::dot(block.factor.row(k), along) / repeats;
+        for (k, changes) in per_number.iter_mut().enumerate() {
+            for (change, along) in changes.iter_mut().zip(&along) {
+                *change -= super::data::dot(block.factor.row(k), along) / repeats;
             }
         }
     }

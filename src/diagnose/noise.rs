@@ -8,6 +8,7 @@ const CORRELATED_S: f64 = 2.0;
 
 /// The noise of what is left.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[expect(clippy::struct_field_names, reason = "the unit is in every name")]
 pub(super) struct Noise {
     /// Variance of one sample, mm².
     pub(super) variance_mm2: f64,

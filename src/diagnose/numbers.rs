@@ -43,13 +43,12 @@ pub(super) fn told(
                 inner_sigma
             } else {
                 match (key.name, own) {
-                    ("order" | "run", _) => None,
                     // A wave: sine and cosine.
                     ("phase_rad", 2) if !each_run => {
                         let square = amplitudes[0].powi(2) + amplitudes[1].powi(2);
                         Some(wave(amplitudes, &covariance, true).sqrt() / square)
                     }
-                    ("phase_rad", _) => None,
+                    ("order" | "run" | "phase_rad", _) => None,
                     (_, 2) => {
                         let size = amplitudes[0].hypot(amplitudes[1]);
                         let over_runs = (runs as f64).sqrt();

@@ -228,7 +228,7 @@ fn cyclic(channel: &Channel) -> Vec<Candidate> {
         .map(|k| {
             let number = 0.8 / way_mm + k as f64 * step;
             let gain = if number * way_mm > FAST {
-                channel.explained_raw(&sums, &sine, &cosine)
+                sums.explained(&sine, &cosine)
             } else {
                 let shapes = [sine.clone(), cosine.clone()];
                 channel.explained(&shapes, 1e-6).map_or(0.0, |explained| explained.gain_mm2)
@@ -263,7 +263,7 @@ fn cyclic(channel: &Channel) -> Vec<Candidate> {
                 seat: channel.place.seat,
                 inner: Some(number.recip()),
             };
-            (explained.seen > SEEN).then(|| Candidate {
+            (explained.seen > SEEN).then_some(Candidate {
                 element: Element { form: Form::Cause(shape), owner: Owner::All },
                 gain_mm2: explained.gain_mm2,
             })

@@ -5,6 +5,7 @@
 //! while the term is part of a model. Diagnosis estimates them; see the room `diagnose`.
 
 use std::f64::consts::TAU;
+use std::fmt::Write as _;
 
 use nalgebra::Vector3;
 
@@ -134,7 +135,7 @@ impl Shape {
             for key in cause.keys.iter().filter(|key| Some(key.name) != inner) {
                 let name = key.written(seat).0;
                 if !given(&name) {
-                    whole.push_str(&format!(",{name}={}", key.default.unwrap_or(1.0)));
+                    let _ = write!(whole, ",{name}={}", key.default.unwrap_or(1.0));
                 }
             }
         }
