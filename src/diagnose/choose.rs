@@ -15,8 +15,7 @@ use super::element::{Element, Owner};
 use super::joint::{self, Fitted};
 use super::noise::Noise;
 use super::screen::{Candidate, Screen};
-use crate::machine::Axis;
-use crate::model::{Component, Form, Kind, Seat, Variable};
+use crate::model::{Component, Form, Kind, Seat};
 
 /// More effects than this are not looked for at once.
 const MOST_EFFECTS: usize = 6;
@@ -29,15 +28,7 @@ const BEYOND_CHANCE: f64 = 50.0;
 /// And be this large against the noise of a reading, rms: what is smaller nobody misses.
 const WORTH_NAMING: f64 = 0.1;
 /// A cause that explains less than this share of what a curve does is not named.
-const OF_A_CURVE: f64 = 0.95;
-/// Causes in place of a curve explain at least this share of what the curve does.
-const INSTEAD_OF_A_CURVE: f64 = 0.99;
-/// Waves longer than this are smooth, mm.
-const SMOOTH_MM: f64 = 25.0;
-/// A cause smaller than this part of the largest curve, rms, is a part of what the curve describes.
-const SHADOW: f64 = 0.25;
-/// And one this many times larger, rms, than what all effects explain together is there to cancel another.
-const FIGHTING: f64 = 2.0;
+pub(super) const OF_A_CURVE: f64 = 0.95;
 /// Two effects whose traces differ by less than this share of their squares are the same in these runs.
 const SAME: f64 = 1e-3;
 /// Effects whose difference is within so many of its standard deviations are not decided between.
@@ -93,9 +84,7 @@ impl Search<'_> {
     /// The effects that there are; `None` for none.
     pub(super) fn run(&mut self) -> Option<Chosen> {
         let mut fitted = self.forward(None, true, MOST_EFFECTS)?;
-        fitted = self.without_curves(fitted);
-        fitted = self.without_makeshifts(fitted);
-        fitted = self.without_shadows(fitted)?;
+        fitted = self.tidied(fitted)?;
         let mut rivals = vec![Vec::new(); fitted.elements.len()];
         let mut index = 0;
         let mut replaced = 0;
@@ -136,13 +125,13 @@ impl Search<'_> {
     }
 
     /// Takes effects for accepted, or none.
-    fn accept(&mut self, fitted: Option<&Fitted>) {
+    pub(super) fn accept(&mut self, fitted: Option<&Fitted>) {
         self.data.accept(fitted.map_or(&[], |fitted| &fitted.columns));
         self.screen.renew(self.data);
     }
 
     /// Fits effects together beside the model alone.
-    fn fit_all(&mut self, elements: Vec<Element>) -> Option<Fitted> {
+    pub(super) fn fit_all(&mut self, elements: Vec<Element>) -> Option<Fitted> {
         let span = std::mem::take(&mut self.data.span);
         let left = std::mem::take(&mut self.data.left_mm);
         self.data.accept(&[]);
@@ -152,7 +141,12 @@ impl Search<'_> {
     }
 
     /// Adds what passes to what there is, up to so many effects.
-    fn forward(&mut self, from: Option<Fitted>, with_curves: bool, most: usize) -> Option<Fitted> {
+    pub(super) fn forward(
+        &mut self,
+        from: Option<Fitted>,
+        with_curves: bool,
+        most: usize,
+    ) -> Option<Fitted> {
         let mut chosen = from;
         self.accept(chosen.as_ref());
         while chosen.as_ref().map_or(0, |fitted| fitted.elements.len()) < most {
@@ -188,91 +182,8 @@ impl Search<'_> {
         chosen
     }
 
-    /// Causes in place of curves, where they explain as much.
-    fn without_curves(&mut self, fitted: Fitted) -> Fitted {
-        let mut best = fitted;
-        let mut index = 0;
-        while index < best.elements.len() {
-            if best.elements[index].shape().is_some() {
-                index += 1;
-                continue;
-            }
-            let mut others = best.elements.clone();
-            others.remove(index);
-            let start = if others.is_empty() { None } else { self.fit_all(others) };
-            let most = best.elements.len() + 1;
-            let tried = self.forward(start, false, most);
-            match tried {
-                Some(tried) if self.score(&tried) > INSTEAD_OF_A_CURVE * self.score(&best) => {
-                    best = tried;
-                    index = 0;
-                }
-                _ => index += 1,
-            }
-        }
-        self.accept(Some(&best));
-        best
-    }
-
-    /// A curve in place of several smooth causes on one slide that together do no better than it, and of any
-    /// beside a curve over its position: waves and powers can be piled up to any bump.
-    fn without_makeshifts(&mut self, fitted: Fitted) -> Fitted {
-        let mut best = fitted;
-        for slide in Axis::ALL {
-            let smooth = best.elements.iter().filter(|e| smooth_slide(e) == Some(slide)).count();
-            let described = best.elements.iter().any(|e| described_slide(e) == Some(slide));
-            if smooth + usize::from(described) < 2 || smooth == 0 {
-                continue;
-            }
-            let kept: Vec<Element> = best
-                .elements
-                .iter()
-                .filter(|e| smooth_slide(e) != Some(slide) && described_slide(e) != Some(slide))
-                .cloned()
-                .collect();
-            let start = if kept.is_empty() { None } else { self.fit_all(kept) };
-            self.accept(start.as_ref());
-            let noise = Noise::of(self.data);
-            let over_slide = curves::curves(&self.screen.channels, &noise).into_iter().find(|c| {
-                !c.empirical.with_sense && c.empirical.variable == Variable::Position(slide)
-            });
-            let Some(curve) = over_slide else { continue };
-            let before = start.iter().flat_map(|fitted| fitted.elements.clone());
-            let form = Form::Empirical(curve.empirical);
-            let elements = before.chain([Element { form, owner: Owner::All }]).collect();
-            let Some(instead) = self.fit_all(elements) else { continue };
-            self.accept(Some(&instead));
-            if self.score(&instead) > OF_A_CURVE * self.score(&best) {
-                best = instead;
-            }
-        }
-        self.accept(Some(&best));
-        best
-    }
-
-    /// Without the causes that are small beside a curve: what a curve leaves of an effect that nobody knows
-    /// is no cause. Nor are those that are much larger than what all together explain: they fight others.
-    fn without_shadows(&mut self, fitted: Fitted) -> Option<Fitted> {
-        let size = |k: usize| super::data::norm2(&fitted.part(k).effect(self.data)).sqrt();
-        let of_curves =
-            (0..fitted.elements.len()).filter(|k| fitted.elements[*k].shape().is_none());
-        let largest = of_curves.map(size).fold(0.0, f64::max);
-        let most = FIGHTING * fitted.gain_mm2.max(0.0).sqrt();
-        let credible = |k: usize| size(k) > SHADOW * largest && size(k) < most;
-        let kept: Vec<Element> = (0..fitted.elements.len())
-            .filter(|k| fitted.elements[*k].shape().is_none() || credible(*k))
-            .map(|k| fitted.elements[k].clone())
-            .collect();
-        if kept.len() == fitted.elements.len() || kept.is_empty() {
-            return Some(fitted);
-        }
-        let fitted = self.fit_all(kept);
-        self.accept(fitted.as_ref());
-        fitted
-    }
-
     /// Gain less what the numbers gain by chance, mm².
-    fn score(&self, fitted: &Fitted) -> f64 {
+    pub(super) fn score(&self, fitted: &Fitted) -> f64 {
         let noise = Noise::of(self.data);
         fitted.gain_mm2 - 2.0 * fitted.columns.len() as f64 * noise.long_run_mm2
     }
@@ -356,28 +267,6 @@ impl Search<'_> {
             }
         }
         trace
-    }
-}
-
-/// The slide of a cause that is smooth over its position.
-fn smooth_slide(element: &Element) -> Option<Axis> {
-    let shape = element.shape()?;
-    let Seat::Function(slide, _) = shape.seat else { return None };
-    match (shape.cause.kind, shape.inner) {
-        (Kind::Degree, _) => Some(slide),
-        (Kind::Cyclic, Some(period_mm)) if period_mm > SMOOTH_MM => Some(slide),
-        _ => None,
-    }
-}
-
-/// The slide over whose position a curve runs.
-fn described_slide(element: &Element) -> Option<Axis> {
-    match &element.form {
-        Form::Empirical(curve) if !curve.with_sense => match curve.variable {
-            Variable::Position(slide) => Some(slide),
-            _ => None,
-        },
-        _ => None,
     }
 }
 

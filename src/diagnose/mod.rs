@@ -31,6 +31,8 @@ mod picture;
 mod result;
 mod screen;
 mod spectra;
+mod tidy;
+mod unseen;
 mod vibration;
 mod view;
 
@@ -155,7 +157,7 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         runs,
         programs,
         moved,
-        unseen: Vec::new(),
+        unseen: unseen::unseen(&data, campaign),
         views,
         pictures,
         arcs,
