@@ -59,15 +59,19 @@ impl Search<'_> {
         let mut best = fitted;
         let variables = Axis::ALL.map(|axis| [Variable::Position(axis), Variable::Velocity(axis)]);
         for over in variables.into_iter().flatten() {
-            let smooth = best.elements.iter().filter(|e| smooth_over(e) == Some(over)).count();
             let described = best.elements.iter().any(|e| described_over(e) == Some(over));
+            // Beside a curve over a position, so is a roundness: a smooth function of all three.
+            let round = |e: &Element| e.shape().is_some_and(|s| s.cause.kind == Kind::Roundness);
+            let of_position = matches!(over, Variable::Position(_)) && described;
+            let makeshift = |e: &Element| smooth_over(e) == Some(over) || (of_position && round(e));
+            let smooth = best.elements.iter().filter(|e| makeshift(e)).count();
             if smooth + usize::from(described) < 2 || smooth == 0 {
                 continue;
             }
             let kept: Vec<Element> = best
                 .elements
                 .iter()
-                .filter(|e| smooth_over(e) != Some(over) && described_over(e) != Some(over))
+                .filter(|e| !makeshift(e) && described_over(e) != Some(over))
                 .cloned()
                 .collect();
             let start = if kept.is_empty() { None } else { self.fit_all(kept) };
@@ -82,7 +86,8 @@ impl Search<'_> {
             let elements = before.chain([Element { form, owner: Owner::All }]).collect();
             let Some(instead) = self.fit_all(elements) else { continue };
             self.accept(Some(&instead));
-            if self.score(&instead) > OF_A_CURVE * self.score(&best) {
+            // Where a curve is needed anyway, nothing smooth over the same is named beside it.
+            if described || self.score(&instead) > OF_A_CURVE * self.score(&best) {
                 best = instead;
             }
         }
