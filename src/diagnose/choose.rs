@@ -104,6 +104,12 @@ impl Search<'_> {
                 }
             }
         }
+        // Another explanation of one effect may be a makeshift beside the others.
+        let stands = self.tidied(fitted.clone())?;
+        if stands.elements != fitted.elements {
+            fitted = stands;
+            rivals = (0..fitted.elements.len()).map(|k| self.rivals(&fitted, k).1).collect();
+        }
         self.accept(Some(&fitted));
         let fitted = self.by_size(fitted);
         Some(fitted).map(|(fitted, order)| Chosen {
@@ -283,7 +289,9 @@ fn alike(a: &Element, b: &Element) -> bool {
 /// Which of two explanations that do equally well is named first.
 fn simpler(a: &Element, b: &Element) -> Ordering {
     let rank = |element: &Element| {
-        let Some(shape) = element.shape() else { return (usize::MAX, 0, 0) };
+        let Some(shape) = element.shape() else { return (true, usize::MAX, 0, 0) };
+        // Eleven amplitudes explain more than one does.
+        let many = shape.amplitudes() > 2;
         let cause = shape.cause.kind as usize;
         let seat = match shape.seat {
             Seat::Function(slide, component) if component as usize == slide.index() => 0,
@@ -295,7 +303,7 @@ fn simpler(a: &Element, b: &Element) -> Ordering {
             Seat::Function(_, component) => component as usize,
             _ => Component::X as usize,
         };
-        (cause, seat, component)
+        (many, cause, seat, component)
     };
     rank(a).cmp(&rank(b))
 }

@@ -1,6 +1,6 @@
 //! What does not stand beside the rest: curves where causes do as well, and causes that only mend others.
 
-use super::choose::{OF_A_CURVE, Search};
+use super::choose::{OF_A_CURVE, Search, threshold_mm2};
 use super::curves;
 use super::data::norm2;
 use super::element::{Element, Owner};
@@ -22,6 +22,8 @@ impl Search<'_> {
     /// The effects that stand.
     pub(super) fn tidied(&mut self, fitted: Fitted) -> Option<Fitted> {
         let fitted = self.without_curves(fitted);
+        let fitted = self.without_makeshifts(fitted);
+        // A curve that has joined may leave more beside itself that only mends it.
         let fitted = self.without_makeshifts(fitted);
         self.without_shadows(fitted)
     }
@@ -103,7 +105,9 @@ impl Search<'_> {
             (0..fitted.elements.len()).filter(|k| fitted.elements[*k].shape().is_none());
         let largest = of_curves.map(size).fold(0.0, f64::max);
         let most = FIGHTING * fitted.gain_mm2.max(0.0).sqrt();
-        let credible = |k: usize| size(k) > SHADOW * largest && size(k) < most;
+        let noise = Noise::of(self.data);
+        let least = threshold_mm2(self.data, &noise).sqrt();
+        let credible = |k: usize| size(k) > least.max(SHADOW * largest) && size(k) < most;
         let kept: Vec<Element> = (0..fitted.elements.len())
             .filter(|k| fitted.elements[*k].shape().is_none() || credible(*k))
             .map(|k| fitted.elements[k].clone())
