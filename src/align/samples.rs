@@ -136,6 +136,9 @@ impl Alignment {
 /// Standard deviation of an offset that was found from standstill alone, s.
 const STANDSTILL_SIGMA_S: f64 = 1.0;
 
+/// Rounds in which the feed is estimated from the times of engagement and release.
+const MOST_ROUNDS: usize = 3;
+
 /// Lays a log over the program that ran.
 ///
 /// # Errors
@@ -152,6 +155,7 @@ pub fn align(
     let observed = engagement::observed(log, bar);
     let mut excess = 0.0;
     let mut excess_sigma = 0.0;
+    let mut round = 0;
     loop {
         let trajectory = Trajectory::new(program, machine, feed_override * (1.0 + excess));
         let expected = engagement::expected(&trajectory, &coincidence_mm, bar);
@@ -173,17 +177,22 @@ pub fn align(
             }
         }
         time_map.fit_marks(&marks, bar.clock_tolerance);
-        // What the clock cannot explain is the feed, unless it was lost at one place. Only once: the
-        // second time it is what it is.
-        if time_map.rate.abs() > 1.5 * bar.clock_tolerance && excess == 0.0 {
+        // What the clock cannot explain is the feed, unless it was lost at one place. What is left after
+        // some rounds is what it is.
+        if time_map.rate.abs() > 1.5 * bar.clock_tolerance && round < MOST_ROUNDS {
+            // The clock's tolerance would hold the rate back.
+            time_map.fit_marks(&marks, f64::INFINITY);
             let total = trajectory.duration();
             let share = total.known_s() / total.feed_s.max(1e-9);
-            excess = time_map.rate * share;
-            excess_sigma = bar.clock_tolerance * share;
-            let longer_s = time_map.rate.abs() * trajectory.end_s();
-            let plain = time_map.at_equal_rates(&marks);
-            let probe = lay(log, &stretches, trajectory, plain, marks, expected, mounting, bar);
-            refuse_step(log, &probe, longer_s)?;
+            excess = (1.0 + excess) * (1.0 + time_map.rate * share) - 1.0;
+            excess_sigma = bar.clock_tolerance.hypot(time_map.rate_sigma) * share;
+            if round == 0 {
+                let longer_s = time_map.rate.abs() * trajectory.end_s();
+                let plain = time_map.at_equal_rates(&marks);
+                let probe = lay(log, &stretches, trajectory, plain, marks, expected, mounting, bar);
+                refuse_step(log, &probe, longer_s)?;
+            }
+            round += 1;
             continue;
         }
         refuse_inconsistent(log, &time_map, &marks)?;

@@ -56,7 +56,7 @@ pub(super) fn add_results(
         report::html::render(analysis, &identified.campaign.repeats)?,
     );
     files.add(directory.join("analysis.json"), json.clone());
-    if let Some(diagnosis) = identified.diagnosis.as_ref().filter(|d| !d.nothing_found()) {
+    if let Some(diagnosis) = identified.diagnosis.as_ref().filter(|d| !d.findings.is_empty()) {
         let model = diagnosis.model_file(&identified.campaign);
         files.add(directory.join("model.toml"), model.to_toml());
     }

@@ -99,7 +99,11 @@ impl Arguments {
                     &mounting.mounting,
                     &program,
                     &test.bar_of(source.mounting),
-                    &scenario.clone().with_seed(seed).with_run_number(number),
+                    &scenario
+                        .clone()
+                        .with_seed(seed)
+                        .with_run_number(number)
+                        .with_mounting_number(source.mounting as u32 + 1),
                 )?;
                 let alike = sources.iter().filter(|other| other.file == source.file).count();
                 let name = match (sources.len(), alike) {

@@ -156,36 +156,48 @@ impl Search<'_> {
         let mut chosen = from;
         self.accept(chosen.as_ref());
         while chosen.as_ref().map_or(0, |fitted| fitted.elements.len()) < most {
-            let noise = Noise::of(self.data);
-            let least = threshold_mm2(self.data, &noise);
-            let mut candidates = self.screen.candidates(self.data, least);
-            if chosen.iter().flat_map(|fitted| &fitted.elements).any(Element::is_common_delay) {
-                // Another delay that all slides have in common is a better estimate of the first one.
-                candidates.retain(|candidate| !candidate.element.is_common_delay());
-            }
-            let best = closely(self.data, candidates, &noise, least);
-            if chosen.is_none() && self.first.is_empty() {
-                self.first.clone_from(&best);
-            }
-            let best = best.into_iter().next().filter(|best| best.score_mm2 > least);
-            let curve = with_curves.then(|| curves::curves(&self.screen.channels, &noise));
-            let curve: Option<Curve> = curve
-                .and_then(|curves| curves.into_iter().next())
-                .filter(|curve| curve.score_mm2 > least);
-            let of_a_curve = OF_A_CURVE * curve.as_ref().map_or(0.0, |curve| curve.score_mm2);
-            let next = match (best, curve) {
-                (Some(best), _) if best.score_mm2 >= of_a_curve => best.fitted.elements,
-                (_, Some(curve)) => {
-                    vec![Element { form: Form::Empirical(curve.empirical), owner: Owner::All }]
-                }
-                _ => break,
-            };
+            let Some((next, _)) = self.next(chosen.as_ref(), with_curves) else { break };
             let before = chosen.iter().flat_map(|fitted| fitted.elements.clone());
             let Some(all) = self.fit_all(before.chain(next).collect()) else { break };
             self.accept(Some(&all));
             chosen = Some(all);
         }
         chosen
+    }
+
+    /// What explains most beside what has been accepted, with its score, mm².
+    pub(super) fn next(
+        &mut self,
+        chosen: Option<&Fitted>,
+        with_curves: bool,
+    ) -> Option<(Vec<Element>, f64)> {
+        let noise = Noise::of(self.data);
+        let least = threshold_mm2(self.data, &noise);
+        let mut candidates = self.screen.candidates(self.data, least);
+        if chosen.iter().flat_map(|fitted| &fitted.elements).any(Element::is_common_delay) {
+            // Another delay that all slides have in common is a better estimate of the first one.
+            candidates.retain(|candidate| !candidate.element.is_common_delay());
+        }
+        let best = closely(self.data, candidates, &noise, least);
+        if chosen.is_none() && self.first.is_empty() {
+            self.first.clone_from(&best);
+        }
+        let best = best.into_iter().next().filter(|best| best.score_mm2 > least);
+        let curve = with_curves.then(|| curves::curves(&self.screen.channels, &noise));
+        let curve: Option<Curve> = curve
+            .and_then(|curves| curves.into_iter().next())
+            .filter(|curve| curve.score_mm2 > least);
+        let of_a_curve = OF_A_CURVE * curve.as_ref().map_or(0.0, |curve| curve.score_mm2);
+        match (best, curve) {
+            (Some(best), _) if best.score_mm2 >= of_a_curve => {
+                Some((best.fitted.elements, best.score_mm2))
+            }
+            (_, Some(Curve { empirical, score_mm2 })) => {
+                let form = Form::Empirical(empirical);
+                Some((vec![Element { form, owner: Owner::All }], score_mm2))
+            }
+            _ => None,
+        }
     }
 
     /// Gain less what the numbers gain by chance, mm².

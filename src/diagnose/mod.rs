@@ -30,8 +30,10 @@ mod numbers;
 mod picture;
 mod result;
 mod screen;
+mod settings;
 mod spectra;
 mod tidy;
+mod times;
 mod unseen;
 mod vibration;
 mod view;
@@ -43,6 +45,8 @@ pub use feature::Feature;
 pub use floor::Structure;
 pub use picture::{Picture, Point};
 pub use result::{Diagnosis, Finding, Moved, Number, ProgramGain, RunGain, Verdict};
+pub use settings::WrongSetting;
+pub use times::OffTime;
 pub use view::{Bin, Kind, View};
 
 use crate::error::Result;
@@ -59,16 +63,31 @@ use screen::Screen;
 ///
 /// # Errors
 /// When the rows of a fit are not finite numbers.
-pub fn search(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<Vec<Finding>> {
+pub fn search(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<Searched> {
+    let corrected = settings::corrected(test, machine, campaign)?;
+    let (test, machine, campaign) = match &corrected {
+        Some(now) => (&now.test, &now.machine, &now.campaign),
+        None => (test, machine, campaign),
+    };
     let mut data = Data::new(test, machine, campaign)?;
     let chosen = chosen(&mut data, campaign);
     let noise = Noise::of(&data);
     data.accept(&[]);
-    Ok(findings(&data, chosen.as_ref(), &noise))
+    let findings = findings(&data, chosen.as_ref(), &noise);
+    Ok(Searched { findings, wrong_settings: corrected.map_or_else(Vec::new, |c| c.wrong) })
+}
+
+/// What a search alone finds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Searched {
+    /// Effects, the largest first.
+    pub findings: Vec<Finding>,
+    /// Settings that are stated wrong.
+    pub wrong_settings: Vec<WrongSetting>,
 }
 
 fn chosen(data: &mut Data, campaign: &Campaign) -> Option<Chosen> {
-    let mut screen = Screen::new(data, &campaign.terms);
+    let mut screen = Screen::new(data, campaign);
     Search { data, screen: &mut screen, first: Vec::new() }.run()
 }
 
@@ -96,6 +115,11 @@ fn findings(data: &Data, chosen: Option<&Chosen>, noise: &Noise) -> Vec<Finding>
 /// # Errors
 /// When the rows of a fit are not finite numbers.
 pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<Diagnosis> {
+    let corrected = settings::corrected(test, machine, campaign)?;
+    let (test, machine, campaign) = match &corrected {
+        Some(now) => (&now.test, &now.machine, &now.campaign),
+        None => (test, machine, campaign),
+    };
     let mut data = Data::new(test, machine, campaign)?;
     let chosen = chosen(&mut data, campaign);
     let before = data.residuals_mm();
@@ -161,6 +185,8 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         views,
         pictures,
         arcs,
+        off_times: times::off(test, campaign),
+        wrong_settings: corrected.as_ref().map_or_else(Vec::new, |now| now.wrong.clone()),
         left_out: campaign.left_out.iter().map(|(run, e)| (run.clone(), e.what.clone())).collect(),
         samples,
         extended,

@@ -5,6 +5,8 @@ use super::choose::Rival;
 use super::element::{Element, Owner};
 use super::floor::Structure;
 use super::picture::Picture;
+use super::settings::WrongSetting;
+use super::times::OffTime;
 use super::view::View;
 use crate::identify::Campaign;
 use crate::model::Effect;
@@ -140,6 +142,10 @@ pub struct Diagnosis {
     pub pictures: Vec<Option<Picture>>,
     /// How much of what is left on each arc repeats.
     pub arcs: Vec<ArcShare>,
+    /// What the machine file or the test file states wrong; all else is with it put right.
+    pub wrong_settings: Vec<WrongSetting>,
+    /// Runs whose feed or clock is not as stated.
+    pub off_times: Vec<OffTime>,
     /// Runs that took no part, with the reason.
     pub left_out: Vec<(String, String)>,
     /// Samples that were looked at.
@@ -151,6 +157,6 @@ pub struct Diagnosis {
 impl Diagnosis {
     /// Whether nothing is wrong that these runs would show.
     pub fn nothing_found(&self) -> bool {
-        self.findings.is_empty()
+        self.findings.is_empty() && self.off_times.is_empty() && self.wrong_settings.is_empty()
     }
 }

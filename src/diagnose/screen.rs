@@ -10,6 +10,7 @@ use super::element::{Element, Owner};
 use super::joint::System;
 use super::knock;
 use super::vibration;
+use crate::identify::Campaign;
 use crate::machine::Axis;
 use crate::model::{Ball, Coefficient, Component, Form, Kind, Power, Seat, SetUp, Shape, Variable};
 
@@ -48,8 +49,8 @@ fn grid(low: f64, high: f64, count: usize) -> Vec<f64> {
 }
 
 impl Screen {
-    /// Gathers what an effect may hang on; `terms` are those of the model.
-    pub(super) fn new(data: &Data, terms: &[String]) -> Self {
+    /// Gathers what an effect may hang on.
+    pub(super) fn new(data: &Data, campaign: &Campaign) -> Self {
         let mut plan: Vec<(Variable, bool, Vec<Seat>)> = Vec::new();
         for axis in Axis::ALL {
             let functions: Vec<Seat> = Component::ALL
@@ -93,7 +94,7 @@ impl Screen {
             .collect();
         direct.extend(
             Coefficient::all()
-                .filter(|coefficient| !terms.iter().any(|term| *term == coefficient.to_string()))
+                .filter(|coefficient| !campaign.estimates(&coefficient.to_string()))
                 .map(|coefficient| Shape {
                     cause: Kind::Coefficient.cause(),
                     seat: Seat::Coefficient(coefficient),

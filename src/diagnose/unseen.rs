@@ -37,7 +37,7 @@ pub(super) fn unseen(data: &Data, campaign: &Campaign) -> Vec<String> {
         ));
     }
     let without: Vec<String> = Coefficient::all()
-        .filter(|c| !campaign.terms.iter().any(|term| *term == c.to_string()))
+        .filter(|c| !campaign.estimates(&c.to_string()))
         .filter(|c| !seen(Kind::Coefficient, Seat::Coefficient(*c), None))
         .map(|c| c.to_string())
         .collect();

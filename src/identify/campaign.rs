@@ -141,6 +141,12 @@ impl Campaign {
         }
     }
 
+    /// Whether a parameter of this name is estimated.
+    pub fn estimates(&self, name: &str) -> bool {
+        let first = self.repeats.first();
+        first.is_some_and(|repeat| repeat.estimates.iter().any(|e| e.parameter.name == name))
+    }
+
     /// The model that a repeat was identified with.
     pub fn model<'a>(&self, test: &Test, machine: &'a Machine, repeat: usize) -> Result<Model<'a>> {
         self.model_with(test, machine, self.held.get(repeat).map_or(&[], Vec::as_slice))

@@ -301,8 +301,11 @@ pub const CAUSES: &[Cause] = &[
         id: "ball-place",
         title: "place of the balls other than in the test file",
         seat: SeatKind::Ball,
-        keys: &[key("offset_mm", 1.0, None, [-1e3, 1e3])],
-        equation: "of the tool ball (EXt ..): the tool is longer; of the workpiece ball (EXw ..): both balls meet elsewhere in the travel",
+        keys: &[
+            key("offset_mm", 1.0, None, [-1e3, 1e3]),
+            key("mounting", 1.0, Some(0.0), [0.0, 1e3]),
+        ],
+        equation: "of the tool ball (EXt ..): the tool is longer; of the workpiece ball (EXw ..): both balls meet elsewhere in the travel; mounting counts from 1, 0 is all",
         source: "a work offset or a tool length of another set-up",
         remedy: "read `coincidence_mm` and `tool_ball_mm` of the mounting from the control again",
         taken_for: "coefficients of the machine",

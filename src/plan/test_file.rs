@@ -257,6 +257,15 @@ impl Test {
         format
     }
 
+    /// The same test with the balls of a mounting elsewhere.
+    #[must_use]
+    pub fn with_balls(mut self, mounting: usize, balls: Mounting) -> Self {
+        if let Some(named) = self.mountings.get_mut(mounting) {
+            named.mounting = balls;
+        }
+        self
+    }
+
     /// The mountings, at least one.
     pub fn mountings(&self) -> &[NamedMounting] {
         &self.mountings

@@ -40,8 +40,8 @@ pub use analysis::{
 };
 pub use diagnosis::{
     ArcFacts, BinFacts, DiagnosisFacts, FeatureFacts, FindingFacts, LeftOutFacts, MovedFacts,
-    NumberFacts, PictureFacts, PointFacts, ProgramGainFacts, RivalFacts, RunGainFacts,
-    StructureFacts, ViewFacts, diagnosis_text,
+    NumberFacts, OffTimeFacts, PictureFacts, PointFacts, ProgramGainFacts, RivalFacts,
+    RunGainFacts, StructureFacts, ViewFacts, WrongSettingFacts, diagnosis_text,
 };
 pub use machine_errors::{Hysteresis, MachineErrors, Reversal, Scale, Squareness};
 pub use outlook::{

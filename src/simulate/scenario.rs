@@ -77,6 +77,8 @@ pub struct Scenario {
     pub curves: Vec<(Empirical, Vec<f64>)>,
     /// Which run of its campaign this is, counted from 1: a ball is knocked in one of them.
     pub run_number: u32,
+    /// In which mounting of the test it is, counted from 1: a place may be stated wrong in one of them.
+    pub mounting_number: u32,
 }
 
 /// The paper's Table 5 (horizontal machining centre, 3D6 at 500 mm/min), without the four of its 37
@@ -168,6 +170,7 @@ impl Scenario {
             hidden: Vec::new(),
             curves: Vec::new(),
             run_number: 1,
+            mounting_number: 1,
         }
     }
 
@@ -182,6 +185,13 @@ impl Scenario {
     #[must_use]
     pub fn with_run_number(mut self, run_number: u32) -> Self {
         self.run_number = run_number;
+        self
+    }
+
+    /// The same scenario in another mounting of the test, counted from 1.
+    #[must_use]
+    pub fn with_mounting_number(mut self, mounting_number: u32) -> Self {
+        self.mounting_number = mounting_number;
         self
     }
 

@@ -45,6 +45,7 @@ pub(super) fn days(course: &Course, chance: &mut Chance) -> Vec<Scenario> {
     each.map(|(index, run)| {
         let mut scenario = Scenario { noise: NOISE, ..Scenario::default() };
         scenario.run_number = index as u32 + 1;
+        scenario.mounting_number = run.mounting as u32 + 1;
         scenario.seed = chance.seed();
         scenario.errors = errors
             .entry(run.repeat)

@@ -7,7 +7,7 @@
 
 use super::stage::{Stage, Trace};
 use super::{Class, Course};
-use crate::diagnose::{Finding, Owner, Told};
+use crate::diagnose::{Finding, Owner, Searched, Told};
 use crate::machine::Axis;
 use crate::model::Form;
 use crate::model::{Effect, Seat, Variable};
@@ -95,11 +95,11 @@ pub(super) fn judge(
     course: &Course,
     class: Class,
     hidden: &[(Effect, Trace)],
-    findings: &[Finding],
+    searched: &Searched,
 ) -> Judgement {
     let mut grades = Vec::new();
     let mut found = Vec::new();
-    for finding in findings {
+    for finding in &searched.findings {
         let trace =
             traced(finding).and_then(|e| stage.trace(course, &told(course, finding, e)).ok());
         let of: Vec<Grade> = hidden
@@ -118,6 +118,16 @@ pub(super) fn judge(
             correlation,
         });
         grades.push(of);
+    }
+    // Every course is driven in mountings that are as the test file has them.
+    for wrong in &searched.wrong_settings {
+        found.push(Found {
+            cause: Some(wrong.effect.cause.id),
+            text: wrong.effect.to_string(),
+            right: false,
+            correlation: None,
+        });
+        grades.push(vec![Grade::Not; hidden.len()]);
     }
     let named = |k: usize| found[k].cause.is_some();
     let wrong_named = (0..found.len())

@@ -9,7 +9,7 @@ use super::judge::{Judgement, Verdict, judge};
 use super::stage::{Stage, Trace, simulate_all};
 use super::{Class, Course};
 use crate::align;
-use crate::diagnose::{Finding, search};
+use crate::diagnose::{Finding, Searched, search};
 use crate::error::Result;
 use crate::identify::{Campaign, Failure, RunInput};
 use crate::log;
@@ -65,9 +65,9 @@ pub(super) fn trial(stage: &Stage, course: &Course, drawn: Drawn, keep: bool) ->
     let mut seconds = Seconds::default();
     let diagnosed = diagnosed(course, &hidden, days, &mut seconds);
     let (judgement, failure, left_out, findings) = match diagnosed {
-        Ok((findings, left_out)) => {
-            let judgement = judge(stage, course, class, &hidden, &findings);
-            (judgement, None, left_out, keep.then_some(findings))
+        Ok((searched, left_out)) => {
+            let judgement = judge(stage, course, class, &hidden, &searched);
+            (judgement, None, left_out, keep.then_some(searched.findings))
         }
         Err(error) => {
             let judgement =
@@ -86,7 +86,7 @@ fn diagnosed(
     hidden: &[(Effect, Trace)],
     mut days: Vec<Scenario>,
     seconds: &mut Seconds,
-) -> Result<(Vec<Finding>, LeftOut)> {
+) -> Result<(Searched, LeftOut)> {
     let start = Instant::now();
     for day in &mut days {
         for (effect, _) in hidden {
@@ -107,10 +107,10 @@ fn diagnosed(
     )?;
     seconds.identify_s = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let findings = search(&course.test, &course.machine, &campaign)?;
+    let searched = search(&course.test, &course.machine, &campaign)?;
     seconds.diagnose_s = start.elapsed().as_secs_f64();
     let left_out = campaign.left_out.into_iter().map(|(run, error)| (run, error.what)).collect();
-    Ok((findings, left_out))
+    Ok((searched, left_out))
 }
 
 /// The logs of a campaign laid over their programs, by repeat.

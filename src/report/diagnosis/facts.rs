@@ -47,6 +47,10 @@ pub struct DiagnosisFacts {
     pub arcs: Vec<ArcFacts>,
     /// What these runs cannot see or tell apart, in sentences.
     pub unseen: Vec<String>,
+    /// What the machine file or the test file states wrong; all else is with it put right.
+    pub wrong_settings: Vec<WrongSettingFacts>,
+    /// Runs whose feed or clock is not as the test file states.
+    pub off_times: Vec<OffTimeFacts>,
     /// Runs that took no part.
     pub left_out: Vec<LeftOutFacts>,
 }
@@ -63,6 +67,40 @@ impl DiagnosisFacts {
         text.push('\n');
         Ok(text)
     }
+}
+
+/// A run whose feed or clock is not as the test file states.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OffTimeFacts {
+    /// Its name.
+    pub run: String,
+    /// Feed override as stated, percent.
+    pub stated_percent: f64,
+    /// And as it explains the log, percent.
+    pub percent: f64,
+    /// Its standard deviation, percent.
+    pub sigma_percent: f64,
+    /// By how much the clock would be off instead, parts per million.
+    pub clock_ppm: f64,
+    /// What is likelier: `feed-override` or `clock`.
+    pub cause: &'static str,
+}
+
+/// Something that the machine file or the test file states wrong.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WrongSettingFacts {
+    /// `pivot` or `ball-place`.
+    pub cause: &'static str,
+    /// As `simulate --hide` takes it.
+    pub effect: String,
+    /// The slide, or the ball and its direction, such as `EZt`.
+    pub on: String,
+    /// How the setting is in truth, in words.
+    pub told: String,
+    /// Residual with the setting as it is stated, um rms.
+    pub before_um: f64,
+    /// And as it is in truth.
+    pub after_um: f64,
 }
 
 /// What repeats of a residual.

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::facts::{
     DiagnosisFacts, FeatureFacts, FindingFacts, LeftOutFacts, MovedFacts, NumberFacts,
-    ProgramGainFacts, RivalFacts, RunGainFacts, StructureFacts,
+    OffTimeFacts, ProgramGainFacts, RivalFacts, RunGainFacts, StructureFacts, WrongSettingFacts,
 };
 use super::{verdict, views, words};
 use crate::diagnose::{Diagnosis, Feature, Finding, Owner, Picture, Rival, Structure, Told};
@@ -91,6 +91,30 @@ impl DiagnosisFacts {
                 .iter()
                 .cloned()
                 .chain(unseen(diagnosis, identifications))
+                .collect(),
+            wrong_settings: diagnosis
+                .wrong_settings
+                .iter()
+                .map(|wrong| WrongSettingFacts {
+                    cause: wrong.effect.cause.id,
+                    effect: wrong.effect.to_string(),
+                    on: wrong.effect.seat.to_string(),
+                    told: words::setting(wrong, machine),
+                    before_um: wrong.before_mm * UM,
+                    after_um: wrong.after_mm * UM,
+                })
+                .collect(),
+            off_times: diagnosis
+                .off_times
+                .iter()
+                .map(|off| OffTimeFacts {
+                    run: off.run.clone(),
+                    stated_percent: off.stated_percent,
+                    percent: off.percent,
+                    sigma_percent: off.sigma_percent,
+                    clock_ppm: off.clock_ppm,
+                    cause: if off.is_feed() { "feed-override" } else { "clock" },
+                })
                 .collect(),
             left_out: diagnosis
                 .left_out

@@ -43,7 +43,7 @@ pub(in crate::report) fn section(facts: &DiagnosisFacts) -> Result<String> {
     let section = Section {
         verdict: facts.verdict.iter().map(|line| fine(line)).collect(),
         findings: facts.findings.iter().map(told).collect(),
-        gains: figures::gains(facts).filter(|_| !facts.nothing_found),
+        gains: figures::gains(facts).filter(|_| !facts.findings.is_empty()),
         runs: runs(facts),
         programs: facts
             .programs

@@ -14,8 +14,8 @@ mod words;
 
 pub use facts::{
     ArcFacts, BinFacts, DiagnosisFacts, FeatureFacts, FindingFacts, LeftOutFacts, MovedFacts,
-    NumberFacts, PictureFacts, PointFacts, ProgramGainFacts, RivalFacts, RunGainFacts,
-    StructureFacts, ViewFacts,
+    NumberFacts, OffTimeFacts, PictureFacts, PointFacts, ProgramGainFacts, RivalFacts,
+    RunGainFacts, StructureFacts, ViewFacts, WrongSettingFacts,
 };
 pub use terminal::diagnosis_text;
 pub(super) use terminal::in_short;

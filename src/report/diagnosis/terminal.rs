@@ -38,7 +38,10 @@ pub fn diagnosis_text(facts: &DiagnosisFacts) -> String {
 /// Verdict and findings, for the end of a summary.
 pub(in crate::report) fn in_short(facts: &DiagnosisFacts) -> String {
     let mut text = String::new();
-    for line in facts.verdict.iter().take(if facts.nothing_found { 1 } else { 3 }) {
+    let further = if facts.findings.is_empty() { 0 } else { 2 };
+    for line in
+        facts.verdict.iter().take(1 + facts.wrong_settings.len() + facts.off_times.len() + further)
+    {
         paragraph(&mut text, "  ", line);
     }
     for (k, finding) in facts.findings.iter().enumerate() {
@@ -150,7 +153,7 @@ fn percent_of(rival: &RivalFacts) -> String {
 
 fn gains(facts: &DiagnosisFacts) -> String {
     let mut text = String::new();
-    if facts.nothing_found {
+    if facts.findings.is_empty() {
         return text;
     }
     text.push_str(if facts.runs.len() > 1 {

@@ -1,6 +1,6 @@
 //! Is anything wrong? The verdict, a sentence an entry.
 
-use super::facts::{DiagnosisFacts, StructureFacts};
+use super::facts::{DiagnosisFacts, OffTimeFacts, StructureFacts, WrongSettingFacts};
 use crate::report::numbers::{fixed, many};
 
 /// Structure of less than so many of its standard deviations may be chance.
@@ -9,6 +9,8 @@ const BEYOND_CHANCE: f64 = 3.0;
 /// The verdict, the gravest first.
 pub(super) fn of(facts: &DiagnosisFacts) -> Vec<String> {
     let mut told = vec![first(facts)];
+    told.extend(facts.wrong_settings.iter().map(setting));
+    told.extend(facts.off_times.iter().map(off_time));
     if !facts.findings.is_empty() {
         told.push(found(facts));
         if let (Some(share), Some([low, high])) = (facts.explained, facts.explained_interval) {
@@ -61,6 +63,33 @@ fn first(facts: &DiagnosisFacts) -> String {
                 rms(&after)
             )
         }
+    }
+}
+
+fn setting(of: &WrongSettingFacts) -> String {
+    format!(
+        "{}. So the residual is {} um rms instead of {} um; all that follows is with it put right.",
+        of.told,
+        fixed(of.after_um, 3),
+        fixed(of.before_um, 3)
+    )
+}
+
+fn off_time(of: &OffTimeFacts) -> String {
+    let percent = format!("{} +- {} %", fixed(of.percent, 2), fixed(of.sigma_percent, 2));
+    let stated = fixed(of.stated_percent, 0);
+    let ppm = fixed(of.clock_ppm, 0);
+    if of.cause == "feed-override" {
+        format!(
+            "Time of {}: the feed override stood at {percent}, not at {stated} % as the test file has it: say `feed_override_percent = {}` in the run. A clock that is off by {ppm} ppm would do the same.",
+            of.run,
+            fixed(of.percent, 1),
+        )
+    } else {
+        format!(
+            "Time of {}: the clock is off by {ppm} ppm, more than the test file allows: say `clock_ppm` of the ball bar as it is. A feed override of {percent} would do the same.",
+            of.run
+        )
     }
 }
 

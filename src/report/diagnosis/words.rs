@@ -1,6 +1,7 @@
 //! Effects in words.
 
-use crate::machine::{Axis, Machine};
+use crate::diagnose::WrongSetting;
+use crate::machine::{Axis, Machine, Pivot};
 use crate::model::{Ball, Component, Effect, Power, Seat};
 use crate::report::numbers::{decimals, fixed};
 
@@ -43,6 +44,39 @@ fn function(slide: Axis, component: Component) -> String {
         format!("positioning of {slide}")
     } else {
         format!("straightness of {slide} in {about}")
+    }
+}
+
+/// What a file states wrong, and what to write instead.
+pub(super) fn setting(wrong: &WrongSetting, machine: &Machine) -> String {
+    match wrong.effect.seat {
+        Seat::Slide(slide) => {
+            let (is, instead) = match machine.slide(slide).pivot {
+                Pivot::Carriage => ("carriage", "base"),
+                Pivot::Base => ("base", "carriage"),
+            };
+            format!(
+                "The pivot of {slide} is not on the {is}, as the machine file has it: say `pivot = \"{instead}\"`"
+            )
+        }
+        place => {
+            let sigma_mm = wrong.sigma_mm.unwrap_or(0.0);
+            let places = decimals(sigma_mm, 2);
+            let mounting = match wrong.effect.get("mounting") {
+                0.0 => "every mounting".to_owned(),
+                number => format!("mounting no. {number}"),
+            };
+            let key = match place {
+                Seat::Ball(of) if of.ball == Ball::Tool => "tool_ball_mm",
+                _ => "coincidence_mm",
+            };
+            format!(
+                "The {} lies {} +- {} mm from where the test file has it in {mounting}: read `{key}` from the control again",
+                seat(place).split_once('(').map_or("ball", |(_, what)| what.trim_end_matches(')')),
+                fixed(wrong.effect.get("offset_mm"), places),
+                fixed(sigma_mm, places)
+            )
+        }
     }
 }
 

@@ -32,7 +32,7 @@ pub(super) use readings::{add_to_balls, reading_mm};
 pub(super) use settings::{machine_of, mounting_of, offset_mm, settings_of};
 
 /// Keys that count something.
-const WHOLE: [&str; 3] = ["degree", "order", "run"];
+const WHOLE: [&str; 4] = ["degree", "order", "run", "mounting"];
 
 /// Causes that say how a thing is, not by how much it differs: there is one truth.
 const STATED: [&str; 3] = ["feed-override", "clock", "pivot"];
@@ -91,12 +91,15 @@ fn check(effect: &Effect, others: &[Effect]) -> Result<()> {
     Ok(())
 }
 
-/// The effects of one run: what is drawn anew for every run is drawn, and knocks of other runs are gone.
+/// The effects of one run: what is drawn anew for every run is drawn, and knocks of other runs and places of
+/// other mountings are gone.
 pub(super) fn of_run(scenario: &Scenario) -> Vec<Effect> {
     let mut phases = Stream::new(scenario.seed, Purpose::Vibration);
     let mut effects = scenario.hidden.clone();
-    effects.retain(|effect| {
-        effect.cause.id != "knock" || effect.get("run") as u32 == scenario.run_number
+    effects.retain(|effect| match effect.cause.id {
+        "knock" => effect.get("run") as u32 == scenario.run_number,
+        "ball-place" => [0, scenario.mounting_number].contains(&(effect.get("mounting") as u32)),
+        _ => true,
     });
     let drawn = |effect: Effect| match effect.cause.id {
         "vibration" => {
