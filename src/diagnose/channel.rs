@@ -121,6 +121,10 @@ pub(super) struct Explained {
     pub(super) gain_mm2: f64,
     /// Which part of its square lies outside of what is spanned, 0 to 1.
     pub(super) seen: f64,
+    /// One a shape, mm and rad.
+    pub(super) amplitudes: Vec<f64>,
+    /// Factor of the normal matrix.
+    pub(super) cholesky: Cholesky,
 }
 
 impl Channel {
@@ -295,7 +299,7 @@ impl Channel {
         let cholesky = Cholesky::of(&gram)?;
         let amplitudes = cholesky.solve(&common);
         let gain_mm2 = dot(&amplitudes, &common);
-        Some(Explained { gain_mm2, seen })
+        Some(Explained { gain_mm2, seen, amplitudes, cholesky })
     }
 }
 

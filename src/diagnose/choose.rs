@@ -186,7 +186,8 @@ impl Search<'_> {
         let curve = with_curves.then(|| curves::curves(&self.screen.channels, &noise));
         let curve: Option<Curve> = curve
             .and_then(|curves| curves.into_iter().next())
-            .filter(|curve| curve.score_mm2 > least);
+            .filter(|curve| curve.score_mm2 > least)
+            .map(|curve| curve.thinned(&self.screen.channels, &noise));
         let of_a_curve = OF_A_CURVE * curve.as_ref().map_or(0.0, |curve| curve.score_mm2);
         match (best, curve) {
             (Some(best), _) if best.score_mm2 >= of_a_curve => {

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::channel::Channel;
+use super::channel::{Channel, Place};
 use super::noise::Noise;
 use crate::model::{Empirical, place};
 
@@ -15,12 +15,73 @@ const FINER: f64 = 1.01;
 /// Hats that the model nearly spans are kept from running away.
 const RIDGE: f64 = 1e-4;
 
+/// A curve keeps at least so many knots.
+const FEWEST_KNOTS: usize = 6;
+/// A knot stays that gains this many times what chance gives an amplitude.
+const STRAIGHT: f64 = 4.0;
+
 /// A curve over a channel.
 #[derive(Debug, Clone)]
 pub(super) struct Curve {
     pub(super) empirical: Empirical,
     /// Gain less what its knots gain by chance, mm².
     pub(super) score_mm2: f64,
+}
+
+impl Curve {
+    /// The curve without the knots that it does not need: between which it is straight, up to chance.
+    ///
+    /// A knot is gone when the curve there lies on the line between its neighbours, `w^T a = 0`; that costs
+    /// `(w^T a)² / (w^T N^-1 w)` of the gain.
+    pub(super) fn thinned(self, channels: &[Channel], noise: &Noise) -> Self {
+        let place = |channel: &&Channel| {
+            let Place { seat, variable, with_sense } = channel.place;
+            (seat, variable, with_sense)
+                == (self.empirical.seat, self.empirical.variable, self.empirical.with_sense)
+        };
+        let Some(channel) = channels.iter().find(place) else { return self };
+        let mut empirical = self.empirical.clone();
+        while empirical.knots.len() > FEWEST_KNOTS {
+            let Some(explained) = channel.explained(&hats(channel, &empirical), RIDGE) else {
+                break;
+            };
+            let inverse = explained.cholesky.inverse();
+            let knots = &empirical.knots;
+            let mut losses: Vec<(usize, f64)> = (1..knots.len() - 1)
+                .map(|k| {
+                    let share = (knots[k] - knots[k - 1]) / (knots[k + 1] - knots[k - 1]);
+                    let weights = [share - 1.0, 1.0, -share];
+                    let a = &explained.amplitudes[k - 1..=k + 1];
+                    let aside: f64 = weights.iter().zip(a).map(|(w, a)| w * a).sum();
+                    let variance: f64 = (0..3)
+                        .flat_map(|i| (0..3).map(move |j| (i, j)))
+                        .map(|(i, j)| weights[i] * weights[j] * inverse[(k - 1 + i, k - 1 + j)])
+                        .sum();
+                    (k, aside * aside / variance.max(f64::MIN_POSITIVE))
+                })
+                .filter(|(_, loss_mm2)| *loss_mm2 < STRAIGHT * noise.long_run_mm2)
+                .collect();
+            losses.sort_by(|a, b| a.1.total_cmp(&b.1));
+            // What a knot costs hangs on its neighbours: of two side by side only one at a time.
+            let mut gone: Vec<usize> = Vec::new();
+            let most = (losses.len() / 2).max(1);
+            for (k, _) in losses {
+                if gone.len() < most && gone.iter().all(|other| other.abs_diff(k) > 1) {
+                    gone.push(k);
+                }
+            }
+            if gone.is_empty() {
+                break;
+            }
+            let kept = (0..knots.len()).filter(|k| !gone.contains(k));
+            empirical.knots = kept.map(|k| knots[k]).collect();
+        }
+        let Some(explained) = channel.explained(&hats(channel, &empirical), RIDGE) else {
+            return self;
+        };
+        let chance = 2.0 * empirical.knots.len() as f64 * noise.long_run_mm2;
+        Self { empirical, score_mm2: explained.gain_mm2 - chance }
+    }
 }
 
 /// The curves that explain most, the best first.

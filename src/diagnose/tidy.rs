@@ -83,6 +83,7 @@ impl Search<'_> {
                 .into_iter()
                 .find(|c| !c.empirical.with_sense && c.empirical.variable == over);
             let Some(curve) = found else { continue };
+            let curve = curve.thinned(&self.screen.channels, &noise);
             let before = start.iter().flat_map(|fitted| fitted.elements.clone());
             let form = Form::Empirical(curve.empirical);
             let elements = before.chain([Element { form, owner: Owner::All }]).collect();
