@@ -9,13 +9,14 @@ use std::cmp::Ordering;
 
 use rayon::prelude::*;
 
-use super::curves::{self, Curve};
+use super::curves;
 use super::data::{Data, dot};
-use super::element::{Element, Owner};
+use super::element::Element;
 use super::joint::{self, Fitted};
 use super::noise::Noise;
 use super::screen::{Candidate, Screen};
-use crate::model::{Component, Form, Kind, Seat};
+use super::tidy::SHADOW;
+use crate::model::{Component, Kind, Seat};
 
 /// More effects than this are not looked for at once.
 const MOST_EFFECTS: usize = 6;
@@ -156,7 +157,11 @@ impl Search<'_> {
         let mut chosen = from;
         self.accept(chosen.as_ref());
         while chosen.as_ref().map_or(0, |fitted| fitted.elements.len()) < most {
-            let Some((next, _)) = self.next(chosen.as_ref(), with_curves) else { break };
+            let Some((next, score_mm2)) = self.next(chosen.as_ref(), with_curves) else { break };
+            let curve = chosen.as_ref().map_or(0.0, |fitted| self.largest_curve(fitted));
+            if score_mm2.sqrt() < SHADOW * curve {
+                break;
+            }
             let before = chosen.iter().flat_map(|fitted| fitted.elements.clone());
             let Some(all) = self.fit_all(before.chain(next).collect()) else { break };
             self.accept(Some(&all));
@@ -183,22 +188,16 @@ impl Search<'_> {
             self.first.clone_from(&best);
         }
         let best = best.into_iter().next().filter(|best| best.score_mm2 > least);
-        let curve = with_curves.then(|| curves::curves(&self.screen.channels, &noise));
-        let curve: Option<Curve> = curve
-            .and_then(|curves| curves.into_iter().next())
-            .filter(|curve| curve.score_mm2 > least)
-            .map(|curve| curve.thinned(&self.screen.channels, &noise));
-        let of_a_curve = OF_A_CURVE * curve.as_ref().map_or(0.0, |curve| curve.score_mm2);
-        match (best, curve) {
-            (Some(best), _) if best.score_mm2 >= of_a_curve => {
-                Some((best.fitted.elements, best.score_mm2))
-            }
-            (_, Some(Curve { empirical, score_mm2 })) => {
-                let form = Form::Empirical(empirical);
-                Some((vec![Element { form, owner: Owner::All }], score_mm2))
-            }
-            _ => None,
-        }
+        let of_a_curve = |curve: &Tried| OF_A_CURVE * curve.score_mm2;
+        let curve = with_curves
+            .then(|| curves::best(self.data, &self.screen.channels, least, &|_| true))
+            .flatten();
+        let best = match (best, curve) {
+            (Some(best), Some(curve)) if best.score_mm2 < of_a_curve(&curve) => curve,
+            (Some(best), _) => best,
+            (None, curve) => curve?,
+        };
+        Some((best.fitted.elements, best.score_mm2))
     }
 
     /// Gain less what the numbers gain by chance, mm².
@@ -222,7 +221,7 @@ impl Search<'_> {
         let Some(own) = joint::fit(self.data, vec![element.clone()]) else {
             return (None, Vec::new());
         };
-        let trace = self.outside(&own);
+        let trace = own.outside(self.data);
         let square: f64 = trace.iter().map(|c| dot(c, c)).sum();
         let tried = match others {
             None if !self.first.is_empty() => self.first.clone(),
@@ -238,7 +237,7 @@ impl Search<'_> {
             if alike(rival, &element) {
                 continue;
             }
-            let other_trace = self.outside(&other.fitted);
+            let other_trace = other.fitted.outside(self.data);
             let apart: f64 = trace
                 .iter()
                 .zip(&other_trace)
@@ -272,20 +271,6 @@ impl Search<'_> {
             self.fit_all(elements)
         });
         (better, rivals)
-    }
-
-    /// The trace of a fitted effect outside of the model and of what has been accepted.
-    fn outside(&self, fitted: &Fitted) -> Vec<Vec<f64>> {
-        let mut trace = fitted.effect(self.data);
-        for unit in &self.data.span {
-            let along: f64 = unit.iter().zip(&trace).map(|(u, c)| dot(u, c)).sum();
-            for (u, c) in unit.iter().zip(&mut trace) {
-                for (c, u) in c.iter_mut().zip(u) {
-                    *c -= along * u;
-                }
-            }
-        }
-        trace
     }
 }
 

@@ -3,13 +3,20 @@
 use rayon::prelude::*;
 
 use super::channel::{Channel, Place};
+use super::choose::Tried;
+use super::data::Data;
+use super::element::{Element, Owner};
+use super::joint::{self, Fitted};
 use super::noise::Noise;
-use crate::model::{Empirical, place};
+use crate::model::{Empirical, Form, place};
 
 /// Knots of the first look, and of closer ones.
 const KNOTS: [usize; 3] = [24, 48, 96];
 /// Curves that get a closer look.
 const CLOSELY: usize = 6;
+/// And of these so many a fit to the samples, if they explain at least this share of what the best one does.
+const FITTED: usize = 4;
+const WORTH_A_FIT: f64 = 0.8;
 /// More knots must explain more by this factor.
 const FINER: f64 = 1.01;
 /// Hats that the model nearly spans are kept from running away.
@@ -22,10 +29,10 @@ const STRAIGHT: f64 = 4.0;
 
 /// A curve over a channel.
 #[derive(Debug, Clone)]
-pub(super) struct Curve {
-    pub(super) empirical: Empirical,
-    /// Gain less what its knots gain by chance, mm².
-    pub(super) score_mm2: f64,
+struct Curve {
+    empirical: Empirical,
+    /// Gain less what its knots gain by chance, mm²: of the bins.
+    score_mm2: f64,
 }
 
 impl Curve {
@@ -33,7 +40,7 @@ impl Curve {
     ///
     /// A knot is gone when the curve there lies on the line between its neighbours, `w^T a = 0`; that costs
     /// `(w^T a)² / (w^T N^-1 w)` of the gain.
-    pub(super) fn thinned(self, channels: &[Channel], noise: &Noise) -> Self {
+    fn thinned(self, channels: &[Channel], noise: &Noise) -> Self {
         let place = |channel: &&Channel| {
             let Place { seat, variable, with_sense } = channel.place;
             (seat, variable, with_sense)
@@ -84,8 +91,37 @@ impl Curve {
     }
 }
 
+/// The curve that explains most of what is left, fitted to the samples themselves, with as many knots as it
+/// needs; `None` where none of those that are wanted explains `least_mm2`.
+pub(super) fn best(
+    data: &Data,
+    channels: &[Channel],
+    least_mm2: f64,
+    wanted: &(dyn Fn(&Empirical) -> bool + Sync),
+) -> Option<Tried> {
+    let noise = Noise::of(data);
+    let mut close = curves(channels, &noise);
+    close.retain(|curve| curve.score_mm2 > least_mm2 && wanted(&curve.empirical));
+    let first_mm2 = close.first()?.score_mm2;
+    close.retain(|curve| curve.score_mm2 > WORTH_A_FIT * first_mm2);
+    close.truncate(FITTED);
+    let fit = |curve: &Curve| {
+        let form = Form::Empirical(curve.empirical.clone());
+        joint::fit(data, vec![Element { form, owner: Owner::All }])
+    };
+    let fitted = close.into_par_iter().filter_map(|curve| Some((fit(&curve)?, curve)));
+    let fitted: Vec<(Fitted, Curve)> = fitted.collect();
+    let (fitted, curve) =
+        fitted.into_iter().max_by(|a, b| a.0.gain_mm2.total_cmp(&b.0.gain_mm2))?;
+    // What the curve explains is no noise.
+    let after = Noise::of_left(data, &fitted.left_mm(data));
+    let fitted = fit(&curve.thinned(channels, &after))?;
+    let score_mm2 = fitted.gain_mm2 - 2.0 * fitted.columns.len() as f64 * after.long_run_mm2;
+    (score_mm2 > least_mm2).then_some(Tried { fitted, score_mm2 })
+}
+
 /// The curves that explain most, the best first.
-pub(super) fn curves(channels: &[Channel], noise: &Noise) -> Vec<Curve> {
+fn curves(channels: &[Channel], noise: &Noise) -> Vec<Curve> {
     let look = |channel: &Channel, knots: usize| -> Option<Curve> {
         let empirical = on_knots(channel, knots)?;
         let hats = hats(channel, &empirical);

@@ -50,6 +50,27 @@ impl Fitted {
         data.projected(&sum)
     }
 
+    /// What is left of the residuals with the effects besides what has been accepted, mm.
+    pub(super) fn left_mm(&self, data: &Data) -> Column {
+        let mut left = data.left_mm.clone();
+        for (left, effect) in left.iter_mut().zip(self.outside(data)) {
+            left.iter_mut().zip(effect).for_each(|(e, c)| *e -= c);
+        }
+        left
+    }
+
+    /// The effects outside of what the fits span and of what has been accepted, mm.
+    pub(super) fn outside(&self, data: &Data) -> Column {
+        let mut trace = self.effect(data);
+        for unit in &data.span {
+            let along = product(unit, &trace);
+            for (u, c) in unit.iter().zip(&mut trace) {
+                c.iter_mut().zip(u).for_each(|(c, u)| *c -= along * u);
+            }
+        }
+        trace
+    }
+
     /// One of the elements alone, as it was fitted with the others.
     pub(super) fn part(&self, element: usize) -> Self {
         let first = self.first_index(element);

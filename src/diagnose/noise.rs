@@ -22,9 +22,14 @@ pub(super) struct Noise {
 impl Noise {
     /// Of what is left in the data.
     pub(super) fn of(data: &Data) -> Self {
+        Self::of_left(data, &data.left_mm)
+    }
+
+    /// Of other residuals of the same samples, mm.
+    pub(super) fn of_left(data: &Data, left_mm: &[Vec<f64>]) -> Self {
         let (mut variance, mut long_run, mut count) = (0.0, 0.0, 0.0_f64);
         let mut neighbours = 0.0;
-        for (block, left) in data.blocks.iter().zip(&data.left_mm) {
+        for (block, left) in data.blocks.iter().zip(left_mm) {
             for run in &block.runs {
                 let times = |k: usize| block.samples[k].situation.motion.elapsed_s;
                 let length_s =

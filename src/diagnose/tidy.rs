@@ -3,7 +3,7 @@
 use super::choose::{OF_A_CURVE, Search, threshold_mm2};
 use super::curves;
 use super::data::norm2;
-use super::element::{Element, Owner};
+use super::element::Element;
 use super::joint::Fitted;
 use super::noise::Noise;
 use crate::machine::Axis;
@@ -14,7 +14,7 @@ const INSTEAD_OF_A_CURVE: f64 = 0.99;
 /// Waves longer than this are smooth, mm.
 const SMOOTH_MM: f64 = 25.0;
 /// A cause smaller than this part of the largest curve, rms, is a part of what the curve describes.
-const SHADOW: f64 = 0.25;
+pub(super) const SHADOW: f64 = 0.25;
 /// And one this many times larger, rms, than what all effects explain together is there to cancel another.
 const FIGHTING: f64 = 2.0;
 
@@ -78,15 +78,12 @@ impl Search<'_> {
                 .collect();
             let start = if kept.is_empty() { None } else { self.fit_all(kept) };
             self.accept(start.as_ref());
-            let noise = Noise::of(self.data);
-            let found = curves::curves(&self.screen.channels, &noise)
-                .into_iter()
-                .find(|c| !c.empirical.with_sense && c.empirical.variable == over);
+            let found = curves::best(self.data, &self.screen.channels, 0.0, &|curve| {
+                !curve.with_sense && curve.variable == over
+            });
             let Some(curve) = found else { continue };
-            let curve = curve.thinned(&self.screen.channels, &noise);
             let before = start.iter().flat_map(|fitted| fitted.elements.clone());
-            let form = Form::Empirical(curve.empirical);
-            let elements = before.chain([Element { form, owner: Owner::All }]).collect();
+            let elements = before.chain(curve.fitted.elements).collect();
             let Some(instead) = self.fit_all(elements) else { continue };
             self.accept(Some(&instead));
             // Where a curve is needed anyway, nothing smooth over the same is named beside it.
@@ -98,13 +95,17 @@ impl Search<'_> {
         best
     }
 
+    /// Root of the sum of squares of the largest curve, mm; 0 where there is none.
+    pub(super) fn largest_curve(&self, fitted: &Fitted) -> f64 {
+        let curves = (0..fitted.elements.len()).filter(|k| fitted.elements[*k].shape().is_none());
+        curves.map(|k| norm2(&fitted.part(k).effect(self.data)).sqrt()).fold(0.0, f64::max)
+    }
+
     /// Without the causes that are small beside a curve: what a curve leaves of an effect that nobody knows
     /// is no cause. Nor are those that are much larger than what all together explain: they fight others.
     fn without_shadows(&mut self, fitted: Fitted) -> Option<Fitted> {
         let size = |k: usize| norm2(&fitted.part(k).effect(self.data)).sqrt();
-        let of_curves =
-            (0..fitted.elements.len()).filter(|k| fitted.elements[*k].shape().is_none());
-        let largest = of_curves.map(size).fold(0.0, f64::max);
+        let largest = self.largest_curve(&fitted);
         let most = FIGHTING * fitted.gain_mm2.max(0.0).sqrt();
         let noise = Noise::of(self.data);
         let least = threshold_mm2(self.data, &noise).sqrt();
