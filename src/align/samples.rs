@@ -67,6 +67,11 @@ pub struct Alignment {
     pub samples: Vec<Sample>,
     /// Sample period of the log, s.
     pub sample_period_s: f64,
+    /// When the program began, on the log's clock, s: half way between what the log allows where an
+    /// operator's pause hides it.
+    pub began_log_s: f64,
+    /// Standard deviation of that, s.
+    pub began_sigma_s: f64,
     reversals: Reversals,
     coincidence_mm: Vector3<f64>,
     /// Readings in engagements: log time, line, deviation.
@@ -107,7 +112,7 @@ impl Alignment {
                 pose: Pose { position_mm: state.position_mm, sense: state.sense },
                 motion: Motion {
                     velocity_mm_s: state.velocity_mm_s,
-                    elapsed_s: time_map.on_leg_s(log_s, 0),
+                    elapsed_s: (1.0 + time_map.rate) * (log_s - self.began_log_s),
                     reversals: self.reversals.last(moment.program_s, &state.position_mm),
                     corner: trajectory.corner(moment.program_s, state.block),
                 },
@@ -224,7 +229,11 @@ fn lay(
         .flat_map(|stretch| &log.readings()[stretch.clone()])
         .filter_map(|r| r.deviation_mm.map(|deviation| (r.time_s, r.line, deviation)))
         .collect();
+    let first_s = log.readings().first().map_or(0.0, |reading| reading.time_s);
+    let (began_log_s, began_sigma_s) = time_map.began(first_s);
     let mut alignment = Alignment {
+        began_log_s,
+        began_sigma_s,
         reversals: Reversals::of(&trajectory),
         trajectory,
         time_map,

@@ -29,6 +29,9 @@ pub struct TimeMap {
     pub pivot_s: f64,
 }
 
+/// How long an operator's pause is where the log does not tell, s.
+const UNKNOWN_S: f64 = 60.0;
+
 /// A moment of the log in program time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment {
@@ -163,6 +166,20 @@ impl TimeMap {
     /// Log time at which a leg reaches a program time, s.
     pub fn log_time_s(&self, program_s: f64, leg: usize) -> f64 {
         (program_s + self.offsets_s[leg] + self.rate * self.pivot_s) / (1.0 + self.rate)
+    }
+
+    /// When the program began, and its standard deviation, on the log's clock that begins at `first_s`, s.
+    ///
+    /// Before an operator's pause of unknown length no reading may tell: then it began after the log did
+    /// and not later than if the pause had been none, anywhere between.
+    pub(super) fn began(&self, first_s: f64) -> (f64, f64) {
+        let known = self.offset_sigmas_s.iter().position(|sigma| sigma.is_finite()).unwrap_or(0);
+        if known == 0 {
+            return (self.log_time_s(0.0, 0), self.offset_sigmas_s[0].min(UNKNOWN_S));
+        }
+        let latest_s = self.log_time_s(0.0, known);
+        let earliest_s = if first_s < latest_s { first_s } else { latest_s - UNKNOWN_S };
+        (0.5 * (earliest_s + latest_s), (latest_s - earliest_s) / 12f64.sqrt())
     }
 
     /// Program time of every operator's pause, s.

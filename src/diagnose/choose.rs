@@ -16,6 +16,7 @@ use super::joint::{self, Fitted};
 use super::noise::Noise;
 use super::screen::{Candidate, Screen};
 use super::tidy::SHADOW;
+use super::vibration;
 use crate::model::{Component, Kind, Seat};
 
 /// More effects than this are not looked for at once.
@@ -26,8 +27,9 @@ const CLOSELY: usize = 10;
 const WORTH_A_LOOK: f64 = 0.4;
 /// An effect must gain this many times what chance gives an amplitude: some seven sigma, for the search.
 const BEYOND_CHANCE: f64 = 50.0;
-/// And be this large against the noise of a reading, rms: what is smaller nobody misses.
-const WORTH_NAMING: f64 = 0.1;
+/// And be this large against the noise of a reading, rms: of what is smaller too little shows to tell causes
+/// from one another.
+const WORTH_NAMING: f64 = 0.2;
 /// A cause that explains less than this share of what a curve does is not named.
 pub(super) const OF_A_CURVE: f64 = 0.95;
 /// Two effects whose traces differ by less than this share of their squares are the same in these runs.
@@ -183,7 +185,14 @@ impl Search<'_> {
             // Another delay that all slides have in common is a better estimate of the first one.
             candidates.retain(|candidate| !candidate.element.is_common_delay());
         }
-        let best = closely(self.data, candidates, &noise, least);
+        let mut best = closely(self.data, candidates, &noise, least);
+        if let Some(first) = best.first_mut()
+            && vibration::tune(self.data, &first.fitted.elements[0], &noise)
+            && let Some(fitted) = joint::fit(self.data, first.fitted.elements.clone())
+        {
+            first.score_mm2 += fitted.gain_mm2 - first.fitted.gain_mm2;
+            first.fitted = fitted;
+        }
         if chosen.is_none() && self.first.is_empty() {
             self.first.clone_from(&best);
         }
@@ -244,7 +253,10 @@ impl Search<'_> {
                 .flat_map(|(a, b)| a.iter().zip(b))
                 .map(|(a, b)| (a - b).powi(2))
                 .sum();
-            let less_mm2 = own.gain_mm2 - other.fitted.gain_mm2;
+            // Eleven amplitudes explain more than one does by chance.
+            let by_chance = |of: &Fitted| 2.0 * of.columns.len() as f64 * noise.long_run_mm2;
+            let less_mm2 =
+                own.gain_mm2 - by_chance(&own) - other.fitted.gain_mm2 + by_chance(&other.fitted);
             let doubt_mm2 = UNDECIDED_SIGMAS * 2.0 * (noise.long_run_mm2 * apart).sqrt();
             let told = if apart < SAME * square {
                 Told::Same

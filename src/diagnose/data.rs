@@ -32,6 +32,11 @@ pub(super) struct Block {
     pub(super) factor: Matrix,
     /// Where each run begins and ends in the samples.
     pub(super) runs: Vec<std::ops::Range<usize>>,
+    /// By which factor a vibration is faster in each run: no source, and no clock, keeps its frequency to a
+    /// turn in ten thousand.
+    pub(super) tuned: Vec<f64>,
+    /// Standard deviation of when the program of each run began, s.
+    pub(super) began_sigma_s: Vec<f64>,
     /// Name of each run.
     pub(super) names: Vec<String>,
     /// What each run drove: runs with the same number drove the same program in the same mounting.
@@ -102,6 +107,8 @@ impl Data {
             });
             let of_runs = of_runs.collect();
             blocks.push(Block {
+                tuned: vec![1.0; repeat.runs.len()],
+                began_sigma_s: repeat.runs.iter().map(|run| run.alignment.began_sigma_s).collect(),
                 names: repeat.runs.iter().map(|run| run.name.clone()).collect(),
                 programs: of_runs,
                 residual_mm: linear.samples.iter().map(|s| s.residual_mm * s.root_weight).collect(),
@@ -139,6 +146,13 @@ impl Data {
             })
         });
         ends.fold(1.0, f64::max)
+    }
+
+    /// The same tuning of vibrations as another.
+    pub(super) fn tune_as(&mut self, other: &Self) {
+        for (block, of) in self.blocks.iter_mut().zip(&other.blocks) {
+            block.tuned.clone_from(&of.tuned);
+        }
     }
 
     /// What the model leaves, of every block, mm.

@@ -112,6 +112,16 @@ impl Element {
         }
     }
 
+    /// What it is in one run.
+    pub(super) fn in_run(&self, tuned: f64) -> Form {
+        match &self.form {
+            Form::Cause(shape) if self.owner == Owner::EachRun => {
+                Form::Cause(Shape { inner: shape.inner.map(|hz| hz * tuned), ..shape.clone() })
+            }
+            form => form.clone(),
+        }
+    }
+
     /// Standard deviation of the number inside from that on its scale.
     pub(super) fn inner_sigma(&self, free_sigma: f64) -> Option<f64> {
         let inner = self.shape()?.inner?;
@@ -159,7 +169,13 @@ impl Element {
                     if matches!(self.owner, Owner::One { run, .. } if run != sample.run) {
                         continue;
                     }
-                    self.term().columns(&sample.situation, &mut row);
+                    if self.owner == Owner::EachRun {
+                        let mut own = sample.situation.clone();
+                        own.motion.elapsed_s *= block.tuned[sample.run];
+                        self.term().columns(&own, &mut row);
+                    } else {
+                        self.term().columns(&sample.situation, &mut row);
+                    }
                     for (column, value) in columns.iter_mut().zip(&row) {
                         column[k] = value * sample.root_weight;
                     }

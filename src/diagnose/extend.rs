@@ -34,14 +34,16 @@ pub(super) fn extend(
     test: &Test,
     machine: &Machine,
     campaign: &Campaign,
+    searched: &Data,
     chosen: Chosen,
 ) -> Result<Option<Extended>> {
     let Chosen { mut fitted, rivals } = chosen;
     let mut last: Option<(Campaign, Data)> = None;
     for _ in 0..MOST_ROUNDS {
-        let held = held(campaign, &fitted);
+        let held = held(campaign, searched, &fitted);
         let Ok(extended) = campaign.with_held(test, machine, held) else { break };
         let mut about = Data::new(test, machine, &extended)?;
+        about.tune_as(searched);
         let left_mm2 = about.squares_mm2();
         about.add_back(&fitted);
         let Some(again) = fit(&about, &fitted.elements) else { break };
@@ -78,19 +80,19 @@ fn fit(about: &Data, elements: &[Element]) -> Option<Fitted> {
 }
 
 /// The effects as each repeat has them.
-fn held(campaign: &Campaign, fitted: &Fitted) -> Vec<Vec<Held>> {
+fn held(campaign: &Campaign, data: &Data, fitted: &Fitted) -> Vec<Vec<Held>> {
     let mut held: Vec<Vec<Held>> = vec![Vec::new(); campaign.repeats.len()];
     for (element, amplitudes) in fitted.elements.iter().zip(&fitted.amplitudes) {
         let count = element.term().parameter_count();
         let mut own = amplitudes.chunks(count);
         for (index, repeat) in campaign.repeats.iter().enumerate() {
             let mountings = repeat.runs.iter().map(|run| run.mounting + 1).max().unwrap_or(0);
-            let mut by_mounting = vec![Vec::new(); mountings];
             for (run, input) in repeat.runs.iter().enumerate() {
-                let of_run = of_run(element, index, run, amplitudes, &mut own);
-                by_mounting[input.mounting] = of_run;
+                let mut by_mounting = vec![Vec::new(); mountings];
+                by_mounting[input.mounting] = of_run(element, index, run, amplitudes, &mut own);
+                let form = element.in_run(data.blocks[index].tuned[run]);
+                held[index].push(Held { form, amplitudes: by_mounting });
             }
-            held[index].push(Held { form: element.form.clone(), amplitudes: by_mounting });
         }
     }
     held

@@ -96,7 +96,7 @@ fn findings(data: &Data, chosen: Option<&Chosen>, noise: &Noise) -> Vec<Finding>
     let samples = data.samples().max(1) as f64;
     let each = fitted.elements.iter().enumerate().zip(rivals);
     each.map(|((k, element), rivals)| {
-        let (effects, numbers) = numbers::told(fitted, k, noise.long_run_mm2);
+        let (effects, numbers) = numbers::told(data, fitted, k, noise.long_run_mm2);
         let left: f64 = fitted.part(k).effect(data).iter().map(|c| dot(c, c)).sum();
         Finding {
             element: element.clone(),
@@ -126,7 +126,7 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
     let before_mm = (data.squares_without_mm2() / data.samples().max(1) as f64).sqrt();
     let structure_before = floor::structure(&data, &before, |_, _| true);
     let extended = match chosen {
-        Some(chosen) => extend::extend(test, machine, campaign, chosen)?,
+        Some(chosen) => extend::extend(test, machine, campaign, &data, chosen)?,
         None => None,
     };
     let (chosen, extended) = match extended {

@@ -1,15 +1,21 @@
 //! The numbers of a finding with their uncertainty.
 
+use super::data::Data;
 use super::element::Owner;
 use super::joint::Fitted;
 use super::result::Number;
-use crate::model::{AMPLITUDE, Effect, Shape};
+use crate::model::{AMPLITUDE, Effect, Kind, Shape};
 
 /// The effects of an element and their numbers; `long_run_mm2` is what an amplitude of one gains by chance.
+///
+/// Where an operator's pause hides when the program began, the moment of a knock is as uncertain, and a drift
+/// that seems to begin by `dt` earlier has its amplitude larger by `exp(dt / time constant)`: set-up errors take
+/// what is constant.
 ///
 /// Of an effect that differs from run to run, the amplitude is the root mean square over the runs, and it
 /// has no phase.
 pub(super) fn told(
+    data: &Data,
     fitted: &Fitted,
     element: usize,
     long_run_mm2: f64,
@@ -31,15 +37,29 @@ pub(super) fn told(
     } else {
         shape.effects(&amplitudes[..own])
     };
+    let effects: Vec<Effect> = match fitted.elements[element].owner {
+        Owner::One { repeat, run } => {
+            let before: usize = data.blocks[..repeat].iter().map(|block| block.runs.len()).sum();
+            let number = (before + run + 1) as f64;
+            effects.into_iter().map(|effect| effect.with("run", number)).collect()
+        }
+        _ => effects,
+    };
     let inner_sigma = fitted
         .inner_index(element)
         .map(|k| (long_run_mm2 * fitted.inverse[(k, k)]).sqrt())
         .and_then(|sigma| fitted.elements[element].inner_sigma(sigma));
+    let began_s = began_sigma_s(data, fitted.elements[element].owner);
+    let began_share = match (shape.cause.kind, shape.inner) {
+        (Kind::Drift, Some(constant_s)) => began_s / constant_s,
+        _ => 0.0,
+    };
     let mut numbers = Vec::new();
     for (part, effect) in effects.iter().enumerate() {
         for ((name, value), key) in effect.written().into_iter().zip(effect.cause.keys) {
             let si = if key.name == AMPLITUDE { effect.seat.amplitude_unit().1 } else { key.si };
-            let sigma = if Some(key.name) == Shape::inner_key(shape.cause, shape.seat) {
+            let of_inner = Some(key.name) == Shape::inner_key(shape.cause, shape.seat);
+            let sigma = if of_inner && key.name != "moment_s" {
                 inner_sigma
             } else {
                 match (key.name, own) {
@@ -49,12 +69,13 @@ pub(super) fn told(
                         Some(wave(amplitudes, &covariance, true).sqrt() / square)
                     }
                     ("order" | "run" | "phase_rad", _) => None,
+                    ("moment_s", _) => Some(began_s),
                     (_, 2) => {
                         let size = amplitudes[0].hypot(amplitudes[1]);
                         let over_runs = (runs as f64).sqrt();
                         Some(wave(amplitudes, &covariance, false).sqrt() / size / over_runs)
                     }
-                    _ => Some(covariance(part, part).sqrt()),
+                    _ => Some(covariance(part, part).sqrt().hypot(began_share * amplitudes[part])),
                 }
             };
             if each_run && key.name == "phase_rad" {
@@ -69,6 +90,15 @@ pub(super) fn told(
         }
     }
     (effects, numbers)
+}
+
+/// Standard deviation of when the programs of an effect's runs began, root mean square, s.
+fn began_sigma_s(data: &Data, owner: Owner) -> f64 {
+    let runs: Vec<f64> = match owner {
+        Owner::One { repeat, run } => vec![data.blocks[repeat].began_sigma_s[run]],
+        _ => data.blocks.iter().flat_map(|block| block.began_sigma_s.clone()).collect(),
+    };
+    (runs.iter().map(|sigma_s| sigma_s * sigma_s).sum::<f64>() / runs.len().max(1) as f64).sqrt()
 }
 
 /// Variance of `s ds + c dc`, or of `s dc - c ds`.

@@ -6,6 +6,7 @@ use rustfft::num_complex::Complex;
 
 use super::data::Data;
 use super::element::{Element, Owner};
+use super::noise::Noise;
 use super::screen::Candidate;
 use crate::machine::Axis;
 use crate::model::{Ball, Form, Kind, Seat, SetUp, Shape};
@@ -18,6 +19,14 @@ const LINES: usize = 2;
 const CLOSELY: usize = 4;
 /// Aliases up to so many times the sample rate.
 const FOLDS: usize = 3;
+
+/// A frequency may differ by this share from run to run.
+const FARTHEST: f64 = 5e-4;
+/// It is tried in steps of so many turns over a run, and in so many either way at most.
+const TURN: f64 = 0.1;
+const MOST_STEPS: f64 = 300.0;
+/// Another frequency in one run gains at least so many times what chance gives an amplitude.
+const TUNED: f64 = 20.0;
 
 /// What a run's residuals hold at every frequency.
 struct Spectrum {
@@ -80,22 +89,64 @@ pub(super) fn candidates(data: &Data, least_mm2: f64) -> Vec<Candidate> {
 /// What a line of one frequency explains with a phase of its own in every run, mm², where nothing of it is
 /// spanned.
 fn coherent_mm2(data: &Data, seat: Seat, frequency_hz: f64) -> f64 {
-    let mut gain = 0.0;
-    for (block, left_mm) in data.blocks.iter().zip(&data.left_mm) {
-        for run in &block.runs {
-            let (mut s, mut c, mut squares) = (0.0, 0.0, 0.0);
-            for (sample, left) in block.samples[run.clone()].iter().zip(&left_mm[run.clone()]) {
-                let worth = seat.sensitivity(&sample.situation) * sample.root_weight;
-                let turns = frequency_hz * sample.situation.motion.elapsed_s;
-                let (sine, cosine) = (std::f64::consts::TAU * turns.fract()).sin_cos();
-                s += worth * sine * left;
-                c += worth * cosine * left;
-                squares += worth * worth;
-            }
-            gain += (s * s + c * c) / (0.5 * squares).max(f64::MIN_POSITIVE);
-        }
+    let runs = data.blocks.iter().enumerate().flat_map(|(b, block)| {
+        (0..block.runs.len()).map(move |run| in_run_mm2(data, b, run, seat, frequency_hz))
+    });
+    runs.sum()
+}
+
+/// The same in one run.
+fn in_run_mm2(data: &Data, block: usize, run: usize, seat: Seat, frequency_hz: f64) -> f64 {
+    let left_mm = &data.left_mm[block];
+    let block = &data.blocks[block];
+    let frequency_hz = frequency_hz * block.tuned[run];
+    let run = &block.runs[run];
+    let (mut s, mut c, mut squares) = (0.0, 0.0, 0.0);
+    for (sample, left) in block.samples[run.clone()].iter().zip(&left_mm[run.clone()]) {
+        let worth = seat.sensitivity(&sample.situation) * sample.root_weight;
+        let turns = frequency_hz * sample.situation.motion.elapsed_s;
+        let (sine, cosine) = (std::f64::consts::TAU * turns.fract()).sin_cos();
+        s += worth * sine * left;
+        c += worth * cosine * left;
+        squares += worth * worth;
     }
-    gain
+    (s * s + c * c) / (0.5 * squares).max(f64::MIN_POSITIVE)
+}
+
+/// Lets the frequency of a vibration differ from run to run; whether it does.
+///
+/// The source is no clock, and two clocks are no clock either. All vibrations are tuned alike: once.
+pub(super) fn tune(data: &mut Data, element: &Element, noise: &Noise) -> bool {
+    let Some(shape) = element.shape().filter(|shape| shape.cause.kind == Kind::Vibration) else {
+        return false;
+    };
+    let mut tuned = data.blocks.iter().flat_map(|block| &block.tuned);
+    let Some(frequency_hz) = shape.inner.filter(|_| tuned.all(|tuned| *tuned == 1.0)) else {
+        return false;
+    };
+    let step = TURN / (frequency_hz * data.longest_s());
+    let steps = (FARTHEST / step).ceil().min(MOST_STEPS) as i32;
+    let all: Vec<(usize, usize)> = data
+        .blocks
+        .iter()
+        .enumerate()
+        .flat_map(|(b, block)| (0..block.runs.len()).map(move |run| (b, run)))
+        .collect();
+    let found: Vec<(usize, usize, f64)> = all
+        .into_par_iter()
+        .filter_map(|(b, run)| {
+            let gain = |tuned: f64| in_run_mm2(data, b, run, shape.seat, frequency_hz * tuned);
+            let each = (-steps..=steps).map(|k| 1.0 + f64::from(k) * step);
+            let (tuned, best_mm2) =
+                each.map(|tuned| (tuned, gain(tuned))).max_by(|a, b| a.1.total_cmp(&b.1))?;
+            let worth_it = best_mm2 - gain(1.0) > TUNED * noise.long_run_mm2;
+            worth_it.then_some((b, run, tuned))
+        })
+        .collect();
+    for (b, run, tuned) in &found {
+        data.blocks[*b].tuned[*run] = *tuned;
+    }
+    !found.is_empty()
 }
 
 /// One spectrum a run.

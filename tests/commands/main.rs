@@ -11,4 +11,5 @@ mod hide;
 mod mountings;
 mod plan;
 mod refused;
+mod settings;
 mod work;

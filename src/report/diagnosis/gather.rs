@@ -171,7 +171,10 @@ fn finding(
         remarks: of
             .effects
             .first()
-            .map_or_else(Vec::new, |effect| words::remarks(effect, &numbers, machine)),
+            .map_or_else(Vec::new, |effect| words::remarks(effect, &numbers, machine))
+            .into_iter()
+            .chain(in_the_log(of, identifications))
+            .collect(),
         numbers,
         rms_um: of.rms_mm * UM,
         without_um: after_mm.hypot(of.rms_mm) * UM,
@@ -199,6 +202,15 @@ fn owner(of: Owner, identifications: &[Identification]) -> String {
             .and_then(|identification| identification.runs.get(run))
             .map_or_else(|| "one run".into(), |run| format!("{} only", run.name)),
     }
+}
+
+/// The moment of a knock on the clock of its log, whenever the program began.
+fn in_the_log(of: &Finding, identifications: &[Identification]) -> Option<String> {
+    let Owner::One { repeat, run } = of.owner() else { return None };
+    let moment_s = of.effects.first()?.get("moment_s");
+    let run = identifications.get(repeat)?.runs.get(run)?;
+    let log_s = run.alignment.began_log_s + moment_s / (1.0 + run.alignment.time_map.rate);
+    log_s.is_finite().then(|| format!("In the log of {}: at {} s.", run.name, fixed(log_s, 1)))
 }
 
 /// `near x = 42 mm` of a curve that nothing explains.

@@ -1,0 +1,86 @@
+//! What the machine file, the test file or the knob have otherwise than stated, found by `ballbar diagnose`.
+
+use serde_json::Value;
+
+use crate::work::{Work, data, unpacked};
+
+/// Simulates a test with an effect and diagnoses it: the key `diagnosis` of the analysis, and what was printed.
+fn diagnosed(test: &str, hide: &str, work: &Work) -> (Value, String) {
+    work.ballbar(&["simulate", test, "--hide", hide]).done();
+    let outcome = work.ballbar(&["diagnose", "results/test.toml"]).done();
+    let analysis = std::fs::read_to_string(work.path("results/analysis.json")).unwrap();
+    let analysis: Value = serde_json::from_str(&analysis).unwrap();
+    (analysis["diagnosis"].clone(), outcome.stdout())
+}
+
+/// The designed test of three mountings.
+fn designed() -> String {
+    data("designed").join("test.toml").to_str().unwrap().to_owned()
+}
+
+#[test]
+fn a_pivot_on_the_base_that_the_machine_file_has_on_the_carriage() {
+    let work = Work::new();
+    let (found, text) = diagnosed(&designed(), "pivot:on=Z", &work);
+    let told = "The pivot of Z is not on the carriage, as the machine file has it";
+    assert!(text.contains(told) && text.contains("`pivot = \"base\"`"), "{text}");
+    let wrong = &found["wrong_settings"][0];
+    assert_eq!(wrong["effect"], "pivot:on=Z", "{wrong}");
+    assert!(wrong["after_um"].as_f64().unwrap() < 0.165, "{wrong}");
+    // Nothing else is named for it.
+    assert_eq!(found["findings"].as_array().unwrap().len(), 0, "{text}");
+    assert_eq!(found["nothing_found"], false);
+}
+
+#[test]
+fn a_tool_that_is_longer_in_one_of_the_mountings() {
+    let work = Work::new();
+    let (found, text) = diagnosed(&designed(), "ball-place:on=EZt,offset_mm=20,mounting=2", &work);
+    let effect = found["wrong_settings"][0]["effect"].as_str().unwrap_or_default();
+    let offset = effect.strip_prefix("ball-place:on=EZt,offset_mm=").unwrap_or_default();
+    let (offset, mounting) = offset.split_once(",mounting=").unwrap_or_default();
+    assert!((offset.parse::<f64>().unwrap() - 20.0).abs() < 1.2 && mounting == "2", "{text}");
+    assert!(text.contains("read `tool_ball_mm` from the control again"), "{text}");
+}
+
+/// Two runs of a case, without its plan.
+fn two_feeds() -> Work {
+    let work = Work::new();
+    work.machine("name", "name");
+    let mut rest = String::from("[identify]\nterms = [\"observable35\"]\n");
+    for program in ["O1005", "O1015"] {
+        work.write(
+            &format!("{program}.nc"),
+            unpacked(&data("case-d").join(format!("{program}.nc.gz"))),
+        );
+        work.write(&format!("{program}.csv"), "time_s,deviation_um\n0,0\n");
+        rest += &format!("\n[[run]]\nprogram = \"{program}.nc\"\nlog = \"{program}.csv\"\n");
+    }
+    work.test(&rest);
+    work
+}
+
+#[test]
+fn a_knob_that_stood_elsewhere() {
+    let work = two_feeds();
+    let (found, text) = diagnosed("test.toml", "feed-override:percent=99", &work);
+    assert!(text.contains("`feed_override_percent = 99.0`"), "{text}");
+    for off in found["off_times"].as_array().unwrap() {
+        assert_eq!(off["cause"], "feed-override", "{off}");
+        let (percent, sigma) = (off["percent"].as_f64(), off["sigma_percent"].as_f64());
+        assert!((percent.unwrap() - 99.0).abs() < 3.0 * sigma.unwrap(), "{off}");
+    }
+    assert_eq!(found["off_times"].as_array().unwrap().len(), 2);
+}
+
+#[test]
+fn a_clock_that_runs_wrong() {
+    let work = two_feeds();
+    let (found, text) = diagnosed("test.toml", "clock:ppm=800", &work);
+    assert!(text.contains("the clock is off by"), "{text}");
+    for off in found["off_times"].as_array().unwrap() {
+        assert_eq!(off["cause"], "clock", "{off}");
+        assert!((off["clock_ppm"].as_f64().unwrap() - 800.0).abs() < 10.0, "{off}");
+    }
+    assert_eq!(found["off_times"].as_array().unwrap().len(), 2);
+}
