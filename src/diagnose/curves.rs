@@ -36,17 +36,17 @@ struct Curve {
 }
 
 impl Curve {
+    fn is_over(&self, channel: &Channel) -> bool {
+        let Place { seat, variable, with_sense } = channel.place;
+        let Empirical { seat: on, variable: over, with_sense: signed, .. } = &self.empirical;
+        (seat, variable, with_sense) == (*on, *over, *signed)
+    }
+
     /// The curve without the knots that it does not need: between which it is straight, up to chance.
     ///
     /// A knot is gone when the curve there lies on the line between its neighbours, `w^T a = 0`; that costs
     /// `(w^T a)² / (w^T N^-1 w)` of the gain.
-    fn thinned(self, channels: &[Channel], noise: &Noise) -> Self {
-        let place = |channel: &&Channel| {
-            let Place { seat, variable, with_sense } = channel.place;
-            (seat, variable, with_sense)
-                == (self.empirical.seat, self.empirical.variable, self.empirical.with_sense)
-        };
-        let Some(channel) = channels.iter().find(place) else { return self };
+    fn thinned(self, channel: &Channel, noise: &Noise) -> Self {
         let mut empirical = self.empirical.clone();
         while empirical.knots.len() > FEWEST_KNOTS {
             let Some(explained) = channel.explained(&hats(channel, &empirical), RIDGE) else {
@@ -113,26 +113,22 @@ pub(super) fn best(
     let fitted: Vec<(Fitted, Curve)> = fitted.collect();
     let (fitted, curve) =
         fitted.into_iter().max_by(|a, b| a.0.gain_mm2.total_cmp(&b.0.gain_mm2))?;
-    // What the curve explains is no noise.
+    // What the curve explains is no noise: beside that, more knots may show more.
     let after = Noise::of_left(data, &fitted.left_mm(data));
-    let fitted = fit(&curve.thinned(channels, &after))?;
+    let channel = channels.iter().find(|channel| curve.is_over(channel))?;
+    let looks = KNOTS.iter().filter_map(|knots| look(channel, *knots, &after));
+    let finest = looks.max_by(|a, b| a.score_mm2.total_cmp(&b.score_mm2))?;
+    let fitted = fit(&finest.thinned(channel, &after))?;
     let score_mm2 = fitted.gain_mm2 - 2.0 * fitted.columns.len() as f64 * after.long_run_mm2;
     (score_mm2 > least_mm2).then_some(Tried { fitted, score_mm2 })
 }
 
 /// The curves that explain most, the best first.
 fn curves(channels: &[Channel], noise: &Noise) -> Vec<Curve> {
-    let look = |channel: &Channel, knots: usize| -> Option<Curve> {
-        let empirical = on_knots(channel, knots)?;
-        let hats = hats(channel, &empirical);
-        let explained = channel.explained(&hats, RIDGE)?;
-        let chance = 2.0 * empirical.knots.len() as f64 * noise.long_run_mm2;
-        Some(Curve { empirical, score_mm2: explained.gain_mm2 - chance })
-    };
     let mut first: Vec<(usize, Curve)> = channels
         .par_iter()
         .enumerate()
-        .filter_map(|(index, channel)| Some((index, look(channel, KNOTS[0])?)))
+        .filter_map(|(index, channel)| Some((index, look(channel, KNOTS[0], noise)?)))
         .collect();
     let order = |a: &(usize, Curve), b: &(usize, Curve)| b.1.score_mm2.total_cmp(&a.1.score_mm2);
     first.sort_by(order);
@@ -140,7 +136,7 @@ fn curves(channels: &[Channel], noise: &Noise) -> Vec<Curve> {
         .par_iter()
         .take(CLOSELY)
         .flat_map_iter(|(index, _)| KNOTS[1..].iter().map(|knots| (*index, *knots)))
-        .filter_map(|(index, knots)| Some((index, look(&channels[index], knots)?)))
+        .filter_map(|(index, knots)| Some((index, look(&channels[index], knots, noise)?)))
         .collect();
     for (index, curve) in closer {
         // More knots only where they show more.
@@ -152,6 +148,15 @@ fn curves(channels: &[Channel], noise: &Noise) -> Vec<Curve> {
     }
     first.sort_by(order);
     first.into_iter().map(|(_, curve)| curve).collect()
+}
+
+/// A curve with so many knots over the bins of a channel.
+fn look(channel: &Channel, knots: usize, noise: &Noise) -> Option<Curve> {
+    let empirical = on_knots(channel, knots)?;
+    let hats = hats(channel, &empirical);
+    let explained = channel.explained(&hats, RIDGE)?;
+    let chance = 2.0 * empirical.knots.len() as f64 * noise.long_run_mm2;
+    Some(Curve { empirical, score_mm2: explained.gain_mm2 - chance })
 }
 
 /// A curve with its knots so that every stretch between them is worth the same.
