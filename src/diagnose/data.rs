@@ -50,6 +50,8 @@ pub(super) type Column = Vec<Vec<f64>>;
 #[derive(Debug)]
 pub(super) struct Data {
     pub(super) blocks: Vec<Block>,
+    /// Whether vibrations differ from run to run.
+    pub(super) tuned: bool,
     /// How far each slide went, mm.
     pub(super) way_mm: [f64; 3],
     /// How many arcs there are.
@@ -133,7 +135,7 @@ impl Data {
                 at.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
             (high - low).max(0.0)
         });
-        Ok(Self { blocks, way_mm, arcs, span: Vec::new(), left_mm })
+        Ok(Self { blocks, tuned: false, way_mm, arcs, span: Vec::new(), left_mm })
     }
 
     /// How long the longest run is, s.
@@ -150,6 +152,7 @@ impl Data {
 
     /// The same tuning of vibrations as another.
     pub(super) fn tune_as(&mut self, other: &Self) {
+        self.tuned = other.tuned;
         for (block, of) in self.blocks.iter_mut().zip(&other.blocks) {
             block.tuned.clone_from(&of.tuned);
         }

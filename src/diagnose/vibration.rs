@@ -120,10 +120,7 @@ pub(super) fn tune(data: &mut Data, element: &Element, noise: &Noise) -> bool {
     let Some(shape) = element.shape().filter(|shape| shape.cause.kind == Kind::Vibration) else {
         return false;
     };
-    let mut tuned = data.blocks.iter().flat_map(|block| &block.tuned);
-    let Some(frequency_hz) = shape.inner.filter(|_| tuned.all(|tuned| *tuned == 1.0)) else {
-        return false;
-    };
+    let Some(frequency_hz) = shape.inner.filter(|_| !data.tuned) else { return false };
     let step = TURN / (frequency_hz * data.longest_s());
     let steps = (FARTHEST / step).ceil().min(MOST_STEPS) as i32;
     let all: Vec<(usize, usize)> = data
@@ -146,7 +143,8 @@ pub(super) fn tune(data: &mut Data, element: &Element, noise: &Noise) -> bool {
     for (b, run, tuned) in &found {
         data.blocks[*b].tuned[*run] = *tuned;
     }
-    !found.is_empty()
+    data.tuned = !found.is_empty();
+    data.tuned
 }
 
 /// One spectrum a run.

@@ -47,16 +47,16 @@ fn a_tool_that_is_longer_in_one_of_the_mountings() {
 fn two_feeds() -> Work {
     let work = Work::new();
     work.machine("name", "name");
-    let mut rest = String::from("[identify]\nterms = [\"observable35\"]\n");
+    let mut rest = vec!["[identify]\nterms = [\"observable35\"]\n".to_owned()];
     for program in ["O1005", "O1015"] {
         work.write(
             &format!("{program}.nc"),
             unpacked(&data("case-d").join(format!("{program}.nc.gz"))),
         );
         work.write(&format!("{program}.csv"), "time_s,deviation_um\n0,0\n");
-        rest += &format!("\n[[run]]\nprogram = \"{program}.nc\"\nlog = \"{program}.csv\"\n");
+        rest.push(format!("[[run]]\nprogram = \"{program}.nc\"\nlog = \"{program}.csv\"\n"));
     }
-    work.test(&rest);
+    work.test(&rest.join("\n"));
     work
 }
 

@@ -10,7 +10,7 @@ use super::{verdict, views, words};
 use crate::diagnose::{Diagnosis, Feature, Finding, Owner, Picture, Rival, Structure, Told};
 use crate::identify::Identification;
 use crate::machine::Machine;
-use crate::model::Seat;
+use crate::model::{Kind, Seat};
 use crate::report::numbers::fixed;
 
 /// So many other explanations are told.
@@ -174,6 +174,7 @@ fn finding(
             .map_or_else(Vec::new, |effect| words::remarks(effect, &numbers, machine))
             .into_iter()
             .chain(in_the_log(of, identifications))
+            .chain(aliases(of, identifications))
             .collect(),
         numbers,
         rms_um: of.rms_mm * UM,
@@ -202,6 +203,14 @@ fn owner(of: Owner, identifications: &[Identification]) -> String {
             .and_then(|identification| identification.runs.get(run))
             .map_or_else(|| "one run".into(), |run| format!("{} only", run.name)),
     }
+}
+
+/// What else a vibration may be.
+fn aliases(of: &Finding, identifications: &[Identification]) -> Option<String> {
+    let effect = of.effects.first().filter(|effect| effect.cause.kind == Kind::Vibration)?;
+    let runs = identifications.iter().flat_map(|identification| &identification.runs);
+    let rates: Vec<f64> = runs.map(|run| run.alignment.sample_period_s.recip()).collect();
+    words::aliases(effect.get("frequency_hz"), &rates)
 }
 
 /// The moment of a knock on the clock of its log, whenever the program began.

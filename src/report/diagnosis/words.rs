@@ -2,10 +2,15 @@
 
 use crate::diagnose::WrongSetting;
 use crate::machine::{Axis, Machine, Pivot};
-use crate::model::{Ball, Component, Effect, Power, Seat};
+use crate::model::{AMPLITUDE, Ball, Component, Effect, Power, Seat};
 use crate::report::numbers::{decimals, fixed};
 
 use super::facts::NumberFacts;
+
+/// Common multiples of sample rates are looked for up to so many times the fastest.
+const MOST_FOLDS: u32 = 12;
+/// A drift that is as good as a straight line is told by what it does in this time, min.
+const DRIFT_MIN: f64 = 15.0;
 
 /// A period is a part of a pitch within this share of it, however well it is known.
 const NEAR_A_PITCH: f64 = 2e-3;
@@ -148,13 +153,36 @@ pub(super) fn remarks(effect: &Effect, numbers: &[NumberFacts], machine: &Machin
         }
         ("drift", _) => {
             let minutes = effect.get("time_constant_s") / 60.0;
+            let (unit, si) = effect.seat.amplitude_unit();
+            let first = -effect.get(AMPLITUDE) / si * (-DRIFT_MIN / minutes).exp_m1();
             vec![format!(
-                "95 % of it is there after {} min.",
+                "In the first {DRIFT_MIN} min {} {}; 95 % of all is there after {} min.",
+                fixed(first, decimals(first, 3)),
+                unit.replace("um_m", "um/m"),
                 fixed(3.0 * minutes, usize::from(minutes < 3.0))
             )]
         }
         _ => Vec::new(),
     }
+}
+
+/// The frequencies that look the same at all of these sample rates, Hz: the common multiple of the rates, less and
+/// more than the one that is named.
+pub(super) fn aliases(frequency_hz: f64, rates_hz: &[f64]) -> Option<String> {
+    let fastest_hz = rates_hz.iter().copied().fold(0.0, f64::max);
+    let whole = |multiple_hz: f64| {
+        rates_hz.iter().all(|rate_hz| {
+            let times = multiple_hz / rate_hz;
+            (times - times.round()).abs() < 0.01
+        })
+    };
+    let multiple_hz = (1..=MOST_FOLDS).map(|k| f64::from(k) * fastest_hz).find(|hz| whole(*hz))?;
+    let folded = frequency_hz % multiple_hz;
+    let lowest_hz = folded.min(multiple_hz - folded);
+    let all = [lowest_hz, multiple_hz - lowest_hz, multiple_hz + lowest_hz];
+    let others = all.iter().filter(|hz| (*hz - frequency_hz).abs() > 0.01 * multiple_hz);
+    let others: Vec<String> = others.map(|hz| fixed(*hz, 1)).collect();
+    Some(format!("At these sample rates {} Hz would look the same.", others.join(" or ")))
 }
 
 /// Which part of the screw's pitch a period is.
