@@ -123,6 +123,15 @@ pub(super) fn best(
     (score_mm2 > least_mm2).then_some(Tried { fitted, score_mm2 })
 }
 
+/// What the best curve explains at the first look, mm².
+pub(super) fn most_mm2(channels: &[Channel], noise: &Noise) -> f64 {
+    let looks: Vec<f64> = channels
+        .par_iter()
+        .filter_map(|channel| Some(look(channel, KNOTS[0], noise)?.score_mm2))
+        .collect();
+    looks.into_iter().fold(0.0, f64::max)
+}
+
 /// The curves that explain most, the best first.
 fn curves(channels: &[Channel], noise: &Noise) -> Vec<Curve> {
     let mut first: Vec<(usize, Curve)> = channels

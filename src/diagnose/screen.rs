@@ -5,10 +5,12 @@ use std::f64::consts::TAU;
 use rayon::prelude::*;
 
 use super::channel::Channel;
+use super::curves;
 use super::data::Data;
 use super::element::{Element, Owner};
 use super::joint::System;
 use super::knock;
+use super::noise::Noise;
 use super::vibration;
 use crate::identify::Campaign;
 use crate::machine::Axis;
@@ -139,7 +141,9 @@ impl Screen {
         found.extend(direct.into_iter().flatten());
         found.extend(knock::candidates(data));
         // A line that explains much less than something else is that one's shadow.
-        let best_mm2 = found.iter().map(|found| found.gain_mm2).fold(least_mm2, f64::max);
+        let curve_mm2 = curves::most_mm2(&self.channels, &Noise::of(data));
+        let best_mm2 =
+            found.iter().map(|found| found.gain_mm2).fold(least_mm2.max(curve_mm2), f64::max);
         found.extend(vibration::candidates(data, best_mm2));
         found
     }
