@@ -64,12 +64,8 @@ use screen::Screen;
 /// # Errors
 /// When the rows of a fit are not finite numbers.
 pub fn search(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<Searched> {
-    let corrected = settings::corrected(test, machine, campaign)?;
-    let (test, machine, campaign) = match &corrected {
-        Some(now) => (&now.test, &now.machine, &now.campaign),
-        None => (test, machine, campaign),
-    };
-    let mut data = Data::new(test, machine, campaign)?;
+    let (corrected, mut data) = settings::corrected(test, machine, campaign)?;
+    let campaign = corrected.as_ref().map_or(campaign, |now| &now.campaign);
     let chosen = chosen(&mut data, campaign);
     let noise = Noise::of(&data);
     data.accept(&[]);
@@ -115,12 +111,11 @@ fn findings(data: &Data, chosen: Option<&Chosen>, noise: &Noise) -> Vec<Finding>
 /// # Errors
 /// When the rows of a fit are not finite numbers.
 pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<Diagnosis> {
-    let corrected = settings::corrected(test, machine, campaign)?;
+    let (corrected, mut data) = settings::corrected(test, machine, campaign)?;
     let (test, machine, campaign) = match &corrected {
         Some(now) => (&now.test, &now.machine, &now.campaign),
         None => (test, machine, campaign),
     };
-    let mut data = Data::new(test, machine, campaign)?;
     let chosen = chosen(&mut data, campaign);
     let before = data.residuals_mm();
     let before_mm = (data.squares_without_mm2() / data.samples().max(1) as f64).sqrt();

@@ -217,49 +217,53 @@ fn lengths_mm(
     blocks.collect()
 }
 
-/// The campaign with what is stated wrong put right; `None` where nothing is.
+/// The campaign with what is stated wrong put right, `None` where nothing is; and its residuals.
 pub(super) fn corrected(
     test: &Test,
     machine: &Machine,
     campaign: &Campaign,
-) -> Result<Option<Corrected>> {
+) -> Result<(Option<Corrected>, Data)> {
+    let mut data = Data::new(test, machine, campaign)?;
     let mut best: Option<Corrected> = None;
     for _ in 0..MOST {
         let (test, machine, campaign) = match &best {
             Some(now) => (&now.test, &now.machine, &now.campaign),
             None => (test, machine, campaign),
         };
-        let Some(mut next) = step(test, machine, campaign)? else { break };
+        let Some(mut next) = step(test, machine, campaign, &mut data)? else { break };
+        data = Data::new(&next.test, &next.machine, &next.campaign)?;
         if let Some(before) = best.take() {
-            let mut wrong = before.wrong;
-            wrong.append(&mut next.wrong);
-            next.wrong = wrong;
+            next.wrong.splice(0..0, before.wrong);
         }
         best = Some(next);
     }
-    Ok(best)
+    Ok((best, data))
 }
 
 /// Puts one setting right.
-fn step(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<Option<Corrected>> {
+fn step(
+    test: &Test,
+    machine: &Machine,
+    campaign: &Campaign,
+    data: &mut Data,
+) -> Result<Option<Corrected>> {
     let settings = Setting::all(test, campaign);
     if settings.is_empty() {
         return Ok(None);
     }
-    let mut data = Data::new(test, machine, campaign)?;
-    let noise = Noise::of(&data);
-    let least_mm2 = threshold_mm2(&data, &noise);
-    let stated = Stated::new(&data, test, machine, campaign)?;
+    let noise = Noise::of(data);
+    let least_mm2 = threshold_mm2(data, &noise);
+    let stated = Stated::new(data, test, machine, campaign)?;
     let mut tried = Vec::new();
     let mut last: Option<(Setting, Column)> = None;
     for setting in settings {
         let known = last.take_if(|(of, _)| *of == setting.everywhere());
         let column = match known {
             Some((_, column)) => column,
-            None => stated.column(&data, setting)?,
+            None => stated.column(data, setting)?,
         };
-        let own = setting.of_mountings(&data, &column);
-        tried.extend(explained(&data, setting, &own, &noise));
+        let own = setting.of_mountings(data, &column);
+        tried.extend(explained(data, setting, &own, &noise));
         last = Some((setting.everywhere(), column));
     }
     tried.retain(|tried| tried.gain_mm2 > least_mm2);
@@ -278,8 +282,8 @@ fn step(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<Option<Co
     }
     let Some((mut corrected, after_mm2)) = best else { return Ok(None) };
     let samples = data.samples().max(1) as f64;
-    let mut screen = Screen::new(&data, campaign);
-    let cause = Search { data: &mut data, screen: &mut screen, first: Vec::new() }.next(None, true);
+    let mut screen = Screen::new(data, campaign);
+    let cause = Search { data, screen: &mut screen, first: Vec::new() }.next(None, true);
     let best_cause_mm2 = cause.map_or(0.0, |(_, score_mm2)| score_mm2);
     if before_mm2 - after_mm2 < least_mm2.max(best_cause_mm2) {
         return Ok(None);
