@@ -6,9 +6,8 @@ use ballbar::trial::{Class, Course, Outcome, Request, Session, Verdict};
 #[test]
 fn most_of_what_is_hidden_is_named_and_nothing_else() {
     let session = Session::new(Course::built_in().unwrap(), 1, None).unwrap();
-    // The first three from outside take longest: the long trial has them.
     let wanted =
-        [(Class::Single, 0..6), (Class::None, 0..4), (Class::Two, 0..3), (Class::Outside, 3..6)];
+        [(Class::Single, 0..6), (Class::None, 0..4), (Class::Two, 0..3), (Class::Outside, 0..4)];
     let requests: Vec<Request> = wanted
         .into_iter()
         .flat_map(|(class, indices)| indices.map(move |index| Request { class, index }))
@@ -22,7 +21,7 @@ fn most_of_what_is_hidden_is_named_and_nothing_else() {
     assert!(count(Class::Single, right) >= 5, "{told}");
     assert_eq!(count(Class::None, right), 4, "{told}");
     assert!(count(Class::Two, right) >= 2, "{told}");
-    assert!(count(Class::Outside, |o| o.judgement.wrong_named == 0) >= 2, "{told}");
+    assert!(count(Class::Outside, right) >= 3, "{told}");
 }
 
 #[test]

@@ -71,6 +71,16 @@ fn balls_at_other_places_are_those_of_another_mounting() {
 }
 
 #[test]
+fn a_ball_may_be_elsewhere_in_one_mounting_only() {
+    let bench = bench("hu40t.toml");
+    let of_second = hiding(real(), &["ball-place:on=EZt,offset_mm=-40,mounting=2"]);
+    assert_eq!(bench.run(&of_second).readings, bench.run(&real()).readings);
+    let there = bench.run(&of_second.with_mounting_number(2));
+    let of_all = bench.run(&hiding(real(), &["ball-place:on=EZt,offset_mm=-40"]));
+    assert_eq!(there.readings, of_all.readings);
+}
+
+#[test]
 fn where_the_balls_are_touched_the_effects_are_part_of_the_set_up() {
     let bench = bench("hu40t.toml");
     let touched = |effects: &[&str]| {
