@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use super::cause::{AMPLITUDE, CAUSES, Cause, Key, SeatKind};
+use super::CAUSES;
+use super::cause::{AMPLITUDE, Cause, Key, SeatKind};
 use super::{Ball, Coefficient, Component, Power, SetUp};
 use crate::error::{Error, Result};
 use crate::machine::Axis;
@@ -83,6 +84,9 @@ impl fmt::Display for Seat {
     }
 }
 
+/// Keys that count something.
+const WHOLE: [&str; 4] = ["degree", "order", "run", "mounting"];
+
 /// A cause at work.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Effect {
@@ -149,6 +153,11 @@ impl Effect {
             given.push((key.trim(), value.trim()));
         }
         let on = given.iter().find(|(key, _)| *key == "on").map(|(_, value)| *value);
+        if given.iter().filter(|(key, _)| *key == "on").count() > 1 {
+            return Err(
+                Error::input(format!("`on` of `{id}` is given twice")).hint(Self::usage(cause))
+            );
+        }
         given.retain(|(key, _)| *key != "on");
         let numbers = given
             .into_iter()
@@ -190,6 +199,15 @@ impl Effect {
                     "`{name}` of `{id}` must be from {low} to {high}, not {number}"
                 )));
             }
+            if WHOLE.contains(&key.name) && number.fract() != 0.0 {
+                return Err(Error::input(format!(
+                    "`{name}` of `{id}` must be a whole number, not {number}"
+                ))
+                .hint(format!("write `{name}={}`", number.round())));
+            }
+            if values[index].is_some() {
+                return Err(refuse(format!("`{name}` of `{id}` is given twice")));
+            }
             values[index] = Some(number * key.written(seat).1);
         }
         let values = values
@@ -201,7 +219,15 @@ impl Effect {
                 })
             })
             .collect::<Result<_>>()?;
-        Ok(Self { cause, seat, values })
+        let effect = Self { cause, seat, values };
+        let (degree, order) = (effect.get("degree"), effect.get("order"));
+        if order.abs() > degree {
+            return Err(Error::input(format!(
+                "`order` of `{id}` must be from -{degree} to {degree}, its degree, not {order}"
+            ))
+            .hint("orders above 0 go with the cosine of the azimuth, below 0 with the sine"));
+        }
+        Ok(effect)
     }
 
     /// Every number with the name of its key and in the unit that the name says.
@@ -303,6 +329,24 @@ mod tests {
                 "cyclic:on=EXX,period_mm=NaN",
                 "`period_mm` of `cyclic` must be from 0.5 to 500, not NaN",
             ),
+            (
+                "roundness:amplitude_um=1,degree=2,order=-3",
+                "`order` of `roundness` must be from -2 to 2, its degree, not -3",
+            ),
+            (
+                "roundness:amplitude_um=1,degree=2.5",
+                "`degree` of `roundness` must be a whole number, not 2.5",
+            ),
+            (
+                "degree:on=EXX,amplitude_um=1,degree=4.5",
+                "`degree` of `degree` must be a whole number, not 4.5",
+            ),
+            (
+                "knock:on=EXt,step_um=1,moment_s=1,run=1.5",
+                "`run` of `knock` must be a whole number, not 1.5",
+            ),
+            ("servo:on=X,on=Y,delay_ms=1", "`on` of `servo` is given twice"),
+            ("servo:on=X,delay_ms=1,delay_ms=2", "`delay_ms` of `servo` is given twice"),
             ("cyclic:on=EXX,amplitude_urad=1", "`cyclic` has no `amplitude_urad`"),
             ("servo:on=X,delay_ms=five", "`five` is no number, for `delay_ms` of `servo`"),
             ("servo:on=X,delay_ms", "`delay_ms` of `servo` has no value"),

@@ -13,6 +13,7 @@
 //! way it bends the exact chain. Extending the model is adding a term.
 
 mod cause;
+mod causes;
 mod coefficient;
 mod effect;
 mod functions;
@@ -26,7 +27,8 @@ mod shape;
 mod term;
 mod variable;
 
-pub use cause::{AMPLITUDE, CAUSES, Cause, Key, Kind, SeatKind};
+pub use cause::{AMPLITUDE, Cause, Key, Kind, SeatKind};
+pub use causes::CAUSES;
 pub use coefficient::{Ball, Coefficient, Component, Power, SetUp};
 pub use effect::{Effect, Seat};
 pub use functions::ErrorFunctions;

@@ -31,9 +31,6 @@ pub(super) use functions::add_to_slides;
 pub(super) use readings::{add_to_balls, reading_mm};
 pub(super) use settings::{machine_of, mounting_of, offset_mm, settings_of};
 
-/// Keys that count something.
-const WHOLE: [&str; 4] = ["degree", "order", "run", "mounting"];
-
 /// Causes that say how a thing is, not by how much it differs: there is one truth.
 const STATED: [&str; 3] = ["feed-override", "clock", "pivot"];
 
@@ -41,8 +38,7 @@ impl Scenario {
     /// Hides one more effect.
     ///
     /// # Errors
-    /// When one of its numbers must be whole and is not, when the order of a harmonic is beyond its
-    /// degree, and when what can be true only once is hidden already.
+    /// When what can be true only once is hidden already.
     ///
     /// ```
     /// use ballbar::model::Effect;
@@ -50,8 +46,8 @@ impl Scenario {
     ///
     /// let mut scenario = Scenario::default();
     /// scenario.hide(Effect::parse("servo:on=Y,delay_ms=0.4")?)?;
-    /// let beyond = Effect::parse("roundness:amplitude_um=0.3,degree=2,order=3")?;
-    /// assert!(scenario.hide(beyond).is_err());
+    /// scenario.hide(Effect::parse("clock:ppm=40")?)?;
+    /// assert!(scenario.hide(Effect::parse("clock:ppm=60")?).is_err());
     /// # Ok::<(), ballbar::Error>(())
     /// ```
     pub fn hide(&mut self, effect: Effect) -> Result<()> {
@@ -61,28 +57,13 @@ impl Scenario {
     }
 }
 
-/// Refuses effects that cannot be, though each of their numbers can.
+/// Refuses effects that cannot be together.
 pub(super) fn check_all(effects: &[Effect]) -> Result<()> {
     effects.iter().enumerate().try_for_each(|(k, effect)| check(effect, &effects[..k]))
 }
 
 fn check(effect: &Effect, others: &[Effect]) -> Result<()> {
     let id = effect.cause.id;
-    for (name, number) in effect.written() {
-        if WHOLE.contains(&name.as_str()) && number.fract() != 0.0 {
-            return Err(Error::input(format!(
-                "`{name}` of `{id}` must be a whole number, not {number}"
-            ))
-            .hint(format!("write `{name}={}`", number.round())));
-        }
-    }
-    let (degree, order) = (effect.get("degree"), effect.get("order"));
-    if order.abs() > degree {
-        return Err(Error::input(format!(
-            "`order` of `{id}` must be from -{degree} to {degree}, its degree, not {order}"
-        ))
-        .hint("orders above 0 go with the cosine of the azimuth, below 0 with the sine"));
-    }
     let same = |other: &Effect| other.cause == effect.cause && other.seat == effect.seat;
     if STATED.contains(&id) && others.iter().any(same) {
         return Err(Error::input(format!("`{id}` is hidden twice"))
