@@ -30,6 +30,7 @@ mod numbers;
 mod picture;
 mod result;
 mod screen;
+mod seen;
 mod settings;
 mod spectra;
 mod tidy;
@@ -190,7 +191,7 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
 
 /// The residual before and after against everything, what holds most structure first.
 fn views(data: &Data, campaign: &Campaign, left_mm: &[Vec<f64>], long_run_mm2: f64) -> Vec<View> {
-    let (seen, circles) = domains::seen(data, campaign, left_mm);
+    let (seen, circles) = seen::seen(data, campaign, left_mm);
     let mut views = domains::views(&seen, &circles, long_run_mm2);
     views.extend(spectra::views(&seen, long_run_mm2));
     let score = |view: &View| view.share_before.max(view.share_after);

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 
-use super::domains::Seen;
+use super::seen::Seen;
 use super::view::{Bin, Kind, View};
 use crate::machine::Axis;
 
