@@ -45,7 +45,7 @@ pub use element::{Element, Owner};
 pub use feature::Feature;
 pub use floor::Structure;
 pub use picture::{Picture, Point};
-pub use result::{Diagnosis, Finding, Moved, Number, ProgramGain, RunGain, Verdict};
+pub use result::{Diagnosis, Finding, LeftOut, Moved, Number, ProgramGain, RunGain, Verdict};
 pub use settings::WrongSetting;
 pub use times::OffTime;
 pub use view::{Bin, Kind, View};
@@ -183,7 +183,7 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         arcs,
         off_times: times::off(test, campaign),
         wrong_settings: corrected.as_ref().map_or_else(Vec::new, |now| now.wrong.clone()),
-        left_out: campaign.left_out.iter().map(|(run, e)| (run.clone(), e.what.clone())).collect(),
+        left_out: campaign.left_out.iter().map(|(run, error)| LeftOut::of(run, error)).collect(),
         samples,
         extended,
     })

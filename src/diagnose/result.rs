@@ -8,6 +8,7 @@ use super::picture::Picture;
 use super::settings::WrongSetting;
 use super::times::OffTime;
 use super::view::View;
+use crate::error::Error;
 use crate::identify::Campaign;
 use crate::model::Effect;
 
@@ -121,6 +122,28 @@ pub struct Verdict {
     pub smallest_mm: f64,
 }
 
+/// Runs that took no part.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LeftOut {
+    /// Name of the run, or names of the runs of one repeat.
+    pub runs: String,
+    /// Why, in a sentence without a full stop.
+    pub reason: String,
+    /// What to do about it.
+    pub hint: Option<String>,
+}
+
+impl LeftOut {
+    /// Of what the error says the sentence, without the picture below it.
+    pub(super) fn of(runs: &str, error: &Error) -> Self {
+        Self {
+            runs: runs.to_owned(),
+            reason: error.what.lines().next().unwrap_or_default().to_owned(),
+            hint: error.hint.clone(),
+        }
+    }
+}
+
 /// What the model gets wrong.
 #[derive(Debug)]
 pub struct Diagnosis {
@@ -147,7 +170,7 @@ pub struct Diagnosis {
     /// Runs whose feed or clock is not as stated.
     pub off_times: Vec<OffTime>,
     /// Runs that took no part, with the reason.
-    pub left_out: Vec<(String, String)>,
+    pub left_out: Vec<LeftOut>,
     /// Samples that were looked at.
     pub samples: usize,
     /// The campaign identified anew with the effects; `None` where there are none.

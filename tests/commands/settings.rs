@@ -86,3 +86,21 @@ fn a_clock_that_runs_wrong() {
     }
     assert_eq!(found["off_times"].as_array().unwrap().len(), 2);
 }
+
+#[test]
+fn a_knob_that_stood_far_elsewhere_is_named_where_its_run_is_left_out() {
+    let work = two_feeds();
+    work.ballbar(&["simulate", "test.toml", "--repeats", "2"]).done();
+    let right = std::fs::read_to_string(work.path("results/run1-O1015.csv")).unwrap();
+    let slower = ["simulate", "test.toml", "--hide", "feed-override:percent=95"];
+    work.ballbar(&slower).done();
+    let wrong = std::fs::read_to_string(work.path("results/run1-O1015.csv")).unwrap();
+    work.write("right.csv", right).write("wrong.csv", wrong).test(
+        "[identify]\nterms = [\"observable35\"]\n\n[[run]]\nprogram = \"O1015.nc\"\nlog = \"right.csv\"\n\n\
+         [[run]]\nprogram = \"O1015.nc\"\nlog = \"wrong.csv\"\n",
+    );
+    let text = work.ballbar(&["diagnose", "test.toml"]).done().stdout();
+    let (_, end) = text.split_once("\nRuns that were left out\n").unwrap();
+    let end = end.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(end.contains("wrong: ") && end.contains("`feed_override_percent = 95.0`"), "{end}");
+}

@@ -334,4 +334,6 @@ pub struct LeftOutFacts {
     pub run: String,
     /// Why.
     pub reason: String,
+    /// What to do about it.
+    pub hint: Option<String>,
 }

@@ -119,7 +119,11 @@ impl DiagnosisFacts {
             left_out: diagnosis
                 .left_out
                 .iter()
-                .map(|(run, reason)| LeftOutFacts { run: run.clone(), reason: reason.clone() })
+                .map(|out| LeftOutFacts {
+                    run: out.runs.clone(),
+                    reason: out.reason.clone(),
+                    hint: out.hint.clone(),
+                })
                 .collect(),
         };
         facts.verdict = verdict::of(&facts);
@@ -226,7 +230,7 @@ fn in_the_log(of: &Finding, identifications: &[Identification]) -> Option<String
 fn described(of: &Finding, feature: &FeatureFacts) -> String {
     let places = usize::from(feature.width < 5.0);
     format!(
-        "{} um rms along the {}{}; largest near {} {}, {} {} there, width {} {}",
+        "{} um rms along the {}{}; largest near {} {}, {} {} there, {} {} wide at half height",
         fixed(of.rms_mm * UM, 3),
         feature.variable,
         if of.element.curve().is_some_and(|curve| curve.with_sense) {

@@ -30,6 +30,9 @@ pub fn diagnosis_text(facts: &DiagnosisFacts) -> String {
         text.push_str("\nRuns that were left out\n");
         for run in &facts.left_out {
             paragraph(&mut text, "  - ", &format!("{}: {}", run.run, run.reason));
+            if let Some(hint) = &run.hint {
+                paragraph(&mut text, "    hint: ", hint);
+            }
         }
     }
     text
