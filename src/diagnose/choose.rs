@@ -185,7 +185,7 @@ impl Search<'_> {
             // Another delay that all slides have in common is a better estimate of the first one.
             candidates.retain(|candidate| !candidate.element.is_common_delay());
         }
-        let mut best = closely(self.data, candidates, &noise, least);
+        let mut best = closely(self.data, candidates, least);
         if let Some(first) = best.first_mut()
             && vibration::tune(self.data, &first.fitted.elements[0], &noise)
             && let Some(fitted) = joint::fit(self.data, first.fitted.elements.clone())
@@ -236,7 +236,7 @@ impl Search<'_> {
             None if !self.first.is_empty() => self.first.clone(),
             _ => {
                 let least = threshold_mm2(self.data, &noise);
-                closely(self.data, self.screen.candidates(self.data, least), &noise, 0.0)
+                closely(self.data, self.screen.candidates(self.data, least), 0.0)
             }
         };
         let mut rivals = Vec::new();
@@ -320,7 +320,7 @@ fn simpler(a: &Element, b: &Element) -> Ordering {
 
 /// The most promising candidates fitted to the samples themselves, the best first; nothing where none
 /// comes near what counts.
-fn closely(data: &Data, candidates: Vec<Candidate>, noise: &Noise, least_mm2: f64) -> Vec<Tried> {
+fn closely(data: &Data, candidates: Vec<Candidate>, least_mm2: f64) -> Vec<Tried> {
     let mut candidates = candidates;
     candidates.sort_by(|a, b| b.gain_mm2.total_cmp(&a.gain_mm2));
     let best = candidates.first().map_or(0.0, |c| c.gain_mm2);
@@ -329,16 +329,24 @@ fn closely(data: &Data, candidates: Vec<Candidate>, noise: &Noise, least_mm2: f6
     }
     candidates.retain(|c| c.gain_mm2 > WORTH_A_LOOK * best);
     candidates.truncate(CLOSELY);
-    let mut tried: Vec<Tried> = candidates
+    let fitted: Vec<Fitted> = candidates
         .into_par_iter()
         .filter_map(|candidate| {
             let fitted = joint::fit(data, vec![candidate.element])?;
-            let numbers = fitted.columns.len() as f64;
-            let score_mm2 = fitted.gain_mm2 - 2.0 * numbers * noise.long_run_mm2;
             (fitted.seen > super::screen::SEEN && fitted.elements[0].possible(data))
-                .then_some(Tried { fitted, score_mm2 })
+                .then_some(fitted)
         })
         .collect();
+    let Some(best) = fitted.iter().max_by(|a, b| a.gain_mm2.total_cmp(&b.gain_mm2)) else {
+        return Vec::new();
+    };
+    // What the best one explains is no noise.
+    let by_chance_mm2 = 2.0 * Noise::of_left(data, &best.left_mm(data)).long_run_mm2;
+    let score = |fitted: Fitted| {
+        let score_mm2 = fitted.gain_mm2 - by_chance_mm2 * fitted.columns.len() as f64;
+        Tried { fitted, score_mm2 }
+    };
+    let mut tried: Vec<Tried> = fitted.into_iter().map(score).collect();
     tried.sort_by(|a, b| b.score_mm2.total_cmp(&a.score_mm2));
     tried
 }
