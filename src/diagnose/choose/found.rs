@@ -1,7 +1,6 @@
 //! What a search has chosen, and what else it could be.
 
-use crate::residual::element::Element;
-use crate::residual::joint::Fitted;
+use crate::residual::{Element, Fitted};
 
 /// Another explanation of the same.
 #[derive(Debug, Clone, PartialEq)]

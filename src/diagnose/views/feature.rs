@@ -3,9 +3,9 @@
 //! What the model spans anyway, a cubic over the position of a slide or a constant over anything else, is
 //! in the knots by chance: it is taken off first, by a fit that heeds large values less and less.
 
-use crate::model::{Empirical, Form, Variable};
-use crate::residual::element::Element;
-use crate::solve::{Cholesky, Matrix};
+use crate::model::Variable;
+use crate::residual::Element;
+use crate::solve::{Cholesky, Matrix, median};
 
 /// Fits of the trend; each heeds what stands out of the one before less.
 const FITS: usize = 6;
@@ -25,16 +25,6 @@ pub struct Feature {
     pub height: f64,
     /// Width at half the height, in the unit of the variable.
     pub width: f64,
-}
-
-impl Element {
-    /// Its curve, where no cause explains it.
-    pub fn curve(&self) -> Option<&Empirical> {
-        match &self.form {
-            Form::Empirical(curve) => Some(curve),
-            Form::Cause(_) => None,
-        }
-    }
 }
 
 impl Feature {
@@ -101,9 +91,8 @@ fn without_trend(knots: &[f64], values: &[f64], degree: usize) -> Option<Vec<f64
                 values[i] - fitted
             })
             .collect();
-        let mut sizes: Vec<f64> = rest.iter().map(|r| r.abs()).collect();
-        sizes.sort_by(f64::total_cmp);
-        let limit = OUTSTANDING * sizes[sizes.len() / 2].max(1e-12);
+        let usual = median(rest.iter().map(|r| r.abs()).collect())?;
+        let limit = OUTSTANDING * usual.max(1e-12);
         weights = rest.iter().map(|r| (1.0 - (r / limit).powi(2)).max(0.0).powi(2)).collect();
     }
     Some(rest)
@@ -113,9 +102,9 @@ fn without_trend(knots: &[f64], values: &[f64], degree: usize) -> Option<Vec<f64
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::diagnose::Owner;
     use crate::machine::Axis;
-    use crate::model::Seat;
+    use crate::model::{Empirical, Form, Seat};
+    use crate::residual::Owner;
 
     #[test]
     fn a_bump_is_found_on_any_cubic() {
@@ -129,7 +118,7 @@ mod tests {
             with_sense: false,
             knots,
         };
-        let element = Element { form: Form::Empirical(curve), owner: Owner::All };
+        let element = Element::new(Form::Empirical(curve), Owner::All);
         let feature = Feature::of(&element, &values).unwrap();
         assert!((feature.at - 42.0).abs() < 1.0, "{}", feature.at);
         assert!((feature.height / 2e-3 - 1.0).abs() < 0.1, "{}", feature.height);
