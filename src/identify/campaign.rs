@@ -4,7 +4,10 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::{Identification, Options, RunInput, explicit_terms, identify};
+use super::complete::explicit_terms;
+use super::fit::identify;
+use super::input::{Options, RunInput};
+use super::result::Identification;
 use crate::align;
 use crate::error::{Error, Result};
 use crate::log;

@@ -22,6 +22,7 @@ mod cautions;
 mod columns;
 mod complete;
 mod fit;
+mod input;
 mod linearised;
 mod observability;
 mod paper;
@@ -41,7 +42,8 @@ mod words;
 
 pub use campaign::{Campaign, Failure, align_run};
 pub use complete::{count, explicit_terms, order_of};
-pub use fit::{Options, RunInput, SEEN_UM, identify};
+pub use fit::{SEEN_UM, identify};
+pub use input::{Options, RunInput};
 pub use linearised::{LinearSample, Linearised};
 pub use observability::{Gather, POINTS, POSES, Seen, Sight, TOLERANCE, ideal_poses};
 pub use paper::{Comparison, Geometry, MountingRow, Row, StrategyRows};

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::sentence;
+use super::words::sentence;
 use crate::error::{Error, Result};
 use crate::machine::{Axis, Machine, Mounting, Pose};
 use crate::model::{Coefficient, Model, Motion, Parameter, SetUp, Situation, terms};

@@ -13,7 +13,8 @@
 //! one reading to the next included); the fit states the same after a measurement, with the noise that
 //! it has found.
 
-use super::fit::{Fit, Options, RunInput};
+use super::fit::Fit;
+use super::input::{Options, RunInput};
 use crate::align::{self, Place};
 use crate::error::{Error, Kind, Result};
 use crate::log;
