@@ -258,7 +258,8 @@ impl Sight {
         order
     }
 
-    pub(super) fn choose(&self, order: &[usize]) -> Result<Choice> {
+    /// Which columns to keep, considered in this order, at [`TOLERANCE`].
+    pub fn choose(&self, order: &[usize]) -> Result<Choice> {
         self.triangle.choose(order, &self.references, Truncation::Relative(TOLERANCE))
     }
 
