@@ -26,6 +26,7 @@ mod judge;
 mod one;
 mod rates;
 mod session;
+mod simulated;
 mod stage;
 mod table;
 
