@@ -5,7 +5,10 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use super::engagement::{self, Engagement};
-use super::{Mark, MarkKind, Section, TimeMap, ramp, section, stops};
+use super::ramp::{Mark, MarkKind};
+use super::section::Section;
+use super::time_map::TimeMap;
+use super::{ramp, section, stops};
 use crate::error::{Error, Kind, Result};
 use crate::log::Log;
 use crate::machine::{Machine, Mounting, Pose};

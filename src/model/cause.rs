@@ -4,7 +4,7 @@
 //! one vocabulary of `simulate --hide`, of `model.toml`, of diagnosis and of the trial; what a cause does
 //! to the machine the simulator works out by itself, and what it does to the readings diagnosis does.
 
-use super::CAUSES;
+use super::causes::CAUSES;
 
 /// What a cause acts on: the key `on` of an [`Effect`](super::Effect).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

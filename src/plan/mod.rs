@@ -21,5 +21,4 @@ pub use design_request::{Criterion, DesignRequest, Places};
 pub use operator::Operator;
 pub use path::{Path, Step};
 pub use strategy::Strategy;
-use test_file::FreeArc;
 pub use test_file::{BallBar, Estimation, Loss, NamedMounting, PathPlan, Run, Test};

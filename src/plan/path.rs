@@ -2,7 +2,8 @@
 
 use nalgebra::{UnitVector3, Vector3};
 
-use super::{Arc, PathPlan, Test};
+use super::arc::Arc;
+use super::test_file::{PathPlan, Test};
 use crate::error::{Error, Place, Result};
 use crate::machine::{Axis, Machine};
 

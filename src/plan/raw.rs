@@ -10,7 +10,8 @@ use super::log_format::{Format, LengthUnit, ReadingColumn, ReadingKind, TimeColu
 use super::operator::RawOperator;
 use super::raw_arc::RawArc;
 use super::raw_mounting::{RawMounting, check_length, mounting_index};
-use super::{BallBar, Estimation, FreeArc, Loss, NamedMounting, PathPlan, Run, Strategy};
+use super::strategy::Strategy;
+use super::test_file::{BallBar, Estimation, FreeArc, Loss, NamedMounting, PathPlan, Run};
 use crate::error::{Error, Result};
 use crate::model;
 use crate::toml_text::Text;

@@ -6,10 +6,13 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
 
+use super::arc::Arc;
+use super::design_request::DesignRequest;
 use super::log_format::{Format, ReadingKind};
+use super::operator::Operator;
 use super::raw::RawTest;
 use super::raw_mounting::check_mountings;
-use super::{Arc, DesignRequest, Operator, Strategy};
+use super::strategy::Strategy;
 use crate::error::{Error, Place, Result};
 use crate::machine::{Machine, Mounting};
 use crate::model::{Empirical, ModelFile};

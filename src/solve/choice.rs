@@ -6,8 +6,10 @@
 //! of the kept columns with `a_k` among them. For an exact tolerance this is the greedy algorithm on the
 //! matroid of independent columns: no other complete set has a column that the order prefers.
 
+use super::least_squares::Truncation;
 use super::matrix::{dot, norm};
-use super::{Spectrum, Triangle, Truncation};
+use super::spectrum::Spectrum;
+use super::triangle::Triangle;
 use crate::Result;
 
 /// Above this many times the floor, what is left of a column decides alone; below, the singular values.

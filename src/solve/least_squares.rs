@@ -7,8 +7,10 @@
 //!
 //! `D`, `V`, `S`, `U` and `c` as in [`Spectrum`] and [`Triangle`]; `r` is how many directions are kept.
 
+use super::matrix::Matrix;
 use super::matrix::norm;
-use super::{Matrix, Spectrum, Triangle};
+use super::spectrum::Spectrum;
+use super::triangle::Triangle;
 use crate::Result;
 
 /// Which singular directions a solution keeps.

@@ -8,10 +8,12 @@
 //! how much of a row's worth of effect is left when the coefficients move along that direction. Without
 //! the scaling it would depend on whether an angle is given in radians or in arc seconds.
 
+use super::least_squares::Truncation;
+use super::matrix::Matrix;
 use super::matrix::{dot, norm};
 use super::null_space::{NullDirection, sparse_basis};
 use super::svd::Decomposition;
-use super::{Matrix, Triangle, Truncation};
+use super::triangle::Triangle;
 use crate::Result;
 
 /// A column shorter than this part of its reference has vanished: only rounding is left in it.

@@ -1,6 +1,7 @@
 //! What is left of all rows of a least-squares problem: a triangle.
 
-use super::{Matrix, Tsqr};
+use super::matrix::Matrix;
+use super::tsqr::Tsqr;
 use crate::Result;
 
 /// The triangle that stands for all rows of a least-squares problem `min |J x - e|`.

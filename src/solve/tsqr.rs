@@ -12,7 +12,8 @@
 //! `R^T R = J^T J`, yet `J^T J` is never formed: its rounding alone loses half of the digits.
 
 use super::fold::{CHUNK, Fold};
-use super::{Matrix, Triangle};
+use super::matrix::Matrix;
+use super::triangle::Triangle;
 use crate::{Error, Result};
 
 /// Takes the rows of a least-squares problem and keeps only their triangle.
