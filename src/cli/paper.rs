@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::Common;
+use super::common::Common;
 use super::output::{self, Files, Talk};
 use crate::error::Result;
 use crate::paper::{self, Comparison, Geometry};

@@ -293,3 +293,18 @@ mod tests {
         }
     }
 }
+
+impl Kind {
+    /// The cause of this kind.
+    pub fn cause(self) -> &'static Cause {
+        // The table is in the order of the kinds.
+        &CAUSES[self as usize]
+    }
+}
+
+impl Cause {
+    /// The cause of a name.
+    pub fn named(id: &str) -> Option<&'static Self> {
+        CAUSES.iter().find(|cause| cause.id == id)
+    }
+}

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::lex::{Fault, Lexer, Piece, Word};
-use super::read::Reading;
+use super::reading::Reading;
 use crate::error::{Error, Place, Result};
 
 /// A line of the file.

@@ -49,6 +49,7 @@ mod modal;
 mod position;
 pub mod program;
 mod read;
+mod reading;
 mod run;
 #[cfg(test)]
 mod tests;
@@ -56,5 +57,6 @@ mod write;
 
 pub use check::{Checked, Finding, Severity, Sphere, check};
 pub use program::{Action, Move, Path, Program, Step};
-pub use read::{Reading, read, read_file, text_of};
+pub use read::{read, read_file, text_of};
+pub use reading::Reading;
 pub use write::{ReadBack, read_back, write};

@@ -7,7 +7,7 @@ use super::command::{Command, Letters};
 use super::lex::{Fault, Word};
 use super::modal::{Code, Modal, Motion, unknown};
 use super::program::{Move, Path};
-use super::read::Reading;
+use super::reading::Reading;
 
 /// Addresses of coordinates.
 pub(crate) const COORDINATES: Letters = Letters::of(b"XYZ");

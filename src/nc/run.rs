@@ -6,7 +6,7 @@ use super::listing::{Block, Line, Listing, Refuse};
 use super::modal::{Code, LookAhead, Miscellaneous};
 use super::position::{ARC, COORDINATES, Machine};
 use super::program::{Action, Step};
-use super::read::Reading;
+use super::reading::Reading;
 use crate::error::Result;
 use crate::machine::Dialect;
 

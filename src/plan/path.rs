@@ -3,7 +3,8 @@
 use nalgebra::{UnitVector3, Vector3};
 
 use super::arc::Arc;
-use super::test_file::{PathPlan, Test};
+use super::parts::PathPlan;
+use super::test_file::Test;
 use crate::error::{Error, Place, Result};
 use crate::machine::{Axis, Machine};
 

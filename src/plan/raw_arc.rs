@@ -8,8 +8,8 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::arc::Arc;
+use super::parts::{FreeArc, NamedMounting};
 use super::raw_mounting::mounting_index;
-use super::test_file::{FreeArc, NamedMounting};
 use crate::error::{Error, Result};
 use crate::toml_text::Text;
 

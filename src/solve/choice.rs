@@ -6,9 +6,9 @@
 //! of the kept columns with `a_k` among them. For an exact tolerance this is the greedy algorithm on the
 //! matroid of independent columns: no other complete set has a column that the order prefers.
 
-use super::least_squares::Truncation;
 use super::matrix::{dot, norm};
 use super::spectrum::Spectrum;
+use super::spectrum::Truncation;
 use super::triangle::Triangle;
 use crate::Result;
 
@@ -44,7 +44,7 @@ impl Triangle {
         for &k in order {
             let mut column = self.r().column(k);
             let length = norm(column.iter().copied());
-            let vanished = length <= super::VANISHED * references[k];
+            let vanished = length <= super::spectrum::VANISHED * references[k];
             if vanished || choice.kept.len() == most {
                 choice.rejected.push(k);
                 continue;
