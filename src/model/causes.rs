@@ -281,19 +281,6 @@ pub const CAUSES: &[Cause] = &[
     },
 ];
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_table_is_in_the_order_of_the_kinds() {
-        for (index, cause) in CAUSES.iter().enumerate() {
-            assert_eq!(cause.kind as usize, index);
-            assert_eq!(cause.kind.cause().id, cause.id);
-        }
-    }
-}
-
 impl Kind {
     /// The cause of this kind.
     pub fn cause(self) -> &'static Cause {
@@ -306,5 +293,18 @@ impl Cause {
     /// The cause of a name.
     pub fn named(id: &str) -> Option<&'static Self> {
         CAUSES.iter().find(|cause| cause.id == id)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_is_in_the_order_of_the_kinds() {
+        for (index, cause) in CAUSES.iter().enumerate() {
+            assert_eq!(cause.kind as usize, index);
+            assert_eq!(cause.kind.cause().id, cause.id);
+        }
     }
 }

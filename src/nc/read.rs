@@ -8,7 +8,6 @@ use super::program::Program;
 use super::reading::Reading;
 use super::run;
 use crate::error::{Error, Place, Result};
-use crate::machine::Dialect;
 
 /// Reads a program.
 ///
