@@ -28,8 +28,12 @@ pub fn align_run(test: &Test, machine: &Machine, run: &Run) -> Result<RunInput> 
     reading.work_offsets_mm.insert(mounting.work_offset, mounting.mounting.coincidence_mm);
     let program = nc::read_file(&run.program, &reading)?;
     let bar = test.bar_of(run.mounting);
-    let alignment =
-        align::align(&log, &program, machine, &mounting.mounting, &bar, run.feed_override)?;
+    let alignment = align::align(&align::Run {
+        log: &log,
+        program: &program,
+        rig: align::Rig { machine, mounting: &mounting.mounting, bar: &bar },
+        feed_override: run.feed_override,
+    })?;
     Ok(RunInput {
         name: run.name.clone(),
         mounting: run.mounting,

@@ -35,12 +35,13 @@ pub(super) fn aligned(course: &Course, simulated: &[SimulatedRun]) -> Result<Vec
             let bar = course.test.bar_of(run.mounting);
             let mounting = &course.test.mountings()[run.mounting].mounting;
             let program = &course.programs[run.program];
-            let (machine, knob) = (&course.machine, run.feed_override);
+            let rig = align::Rig { machine: &course.machine, mounting, bar: &bar };
+            let feed_override = run.feed_override;
             Ok(RunInput {
                 name: run.name.clone(),
                 mounting: run.mounting,
                 nominal_mm: bar.length_mm,
-                alignment: align::align(&log, program, machine, mounting, &bar, knob)?,
+                alignment: align::align(&align::Run { log: &log, program, rig, feed_override })?,
             })
         })
         .collect::<Result<Vec<_>>>()?;
