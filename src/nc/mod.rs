@@ -51,6 +51,7 @@ pub mod program;
 mod read;
 mod reading;
 mod run;
+mod source;
 #[cfg(test)]
 mod tests;
 mod write;
@@ -59,4 +60,5 @@ pub use check::{Checked, Finding, Severity, Sphere, check};
 pub use program::{Action, Move, Path, Program, Step};
 pub use read::{read, read_file, text_of};
 pub use reading::Reading;
+pub use source::Source;
 pub use write::{ReadBack, read_back, write};

@@ -31,7 +31,7 @@ mod stage;
 mod table;
 
 pub use class::{Class, REQUIRED};
-pub use course::{Course, CourseRun};
+pub use course::{Course, CourseProgram, CourseRun};
 pub use draw::DRAWN;
 pub use judge::{Found, Judgement, Verdict};
 pub use one::{Outcome, Seconds};

@@ -5,10 +5,10 @@ use std::time::Instant;
 use super::class::Class;
 use super::course::Course;
 use super::judge::{Judgement, Verdict, judge};
-use super::simulated::{aligned, simulate_all};
+use super::simulated::{measured, simulate_all};
 use super::stage::{Stage, Trace};
 use crate::diagnose::{Finding, Searched, search};
-use crate::error::Result;
+use crate::error::{Kind, Result};
 use crate::identify::{Campaign, Failure};
 use crate::model::Effect;
 use crate::simulate::Scenario;
@@ -93,15 +93,14 @@ fn diagnosed(
     let simulated = simulate_all(course, &days)?;
     seconds.simulate_s = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let aligned = aligned(course, &simulated)?;
-    let campaign = Campaign::of_aligned(
-        &course.test,
-        &course.machine,
-        aligned,
-        Vec::new(),
-        Failure::LeaveOut,
-        &|| (),
-    )?;
+    let measured = measured(course, &simulated)?;
+    let campaign =
+        Campaign::of_measured(&course.test, &course.machine, measured, Failure::LeaveOut)?;
+    // A log that does not belong to its program would be taken again: such a trial is none.
+    let foreign = campaign.left_out.iter().find(|(_, error)| error.kind == Kind::Mismatch);
+    if let Some((_, error)) = foreign {
+        return Err(error.clone());
+    }
     seconds.identify_s = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let searched = search(&course.test, &course.machine, &campaign)?;

@@ -1,13 +1,13 @@
-//! The campaigns of a course: simulated, and their logs laid over the programs.
+//! The campaigns of a course, simulated, as if they had been measured.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
 use super::course::Course;
-use crate::align;
 use crate::error::Result;
-use crate::identify::RunInput;
+use crate::identify::MeasuredRun;
 use crate::log;
 use crate::simulate::{self, Scenario, SimulatedRun};
 
@@ -17,35 +17,34 @@ pub(super) fn simulate_all(course: &Course, scenarios: &[Scenario]) -> Result<Ve
     runs.map(|(run, scenario)| {
         let mounting = &course.test.mountings()[run.mounting].mounting;
         let bar = course.test.bar_of(run.mounting);
-        simulate::run(&course.machine, mounting, &course.programs[run.program], &bar, scenario)
+        let program = &course.programs[run.program].program;
+        simulate::run(&course.machine, mounting, program, &bar, scenario)
     })
     .collect()
 }
 
-/// The logs of a campaign laid over their programs, by repeat.
-pub(super) fn aligned(course: &Course, simulated: &[SimulatedRun]) -> Result<Vec<Vec<RunInput>>> {
-    let runs: Vec<(usize, &SimulatedRun)> = simulated.iter().enumerate().collect();
-    let aligned = runs
-        .into_par_iter()
-        .map(|(index, simulated)| {
-            let run = &course.runs[index];
-            let csv = simulated.csv();
-            let log =
-                log::read_bytes(csv.as_bytes(), Path::new(&run.name), &log::Format::default())?;
-            let bar = course.test.bar_of(run.mounting);
-            let mounting = &course.test.mountings()[run.mounting].mounting;
-            let program = &course.programs[run.program];
-            let rig = align::Rig { machine: &course.machine, mounting, bar: &bar };
-            let feed_override = run.feed_override;
-            Ok(RunInput {
+/// What a campaign measured, by repeat.
+///
+/// # Errors
+/// When the bar never reads.
+pub(super) fn measured(
+    course: &Course,
+    simulated: &[SimulatedRun],
+) -> Result<Vec<Vec<MeasuredRun>>> {
+    let runs = course.runs.par_iter().zip(simulated);
+    let measured = runs
+        .map(|(run, simulated)| {
+            let (csv, file) = (simulated.csv(), Path::new(&run.name));
+            Ok(MeasuredRun {
                 name: run.name.clone(),
                 mounting: run.mounting,
-                nominal_mm: bar.length_mm,
-                alignment: align::align(&align::Run { log: &log, program, rig, feed_override })?,
+                feed_override: run.feed_override,
+                log: log::read_bytes(csv.as_bytes(), file, &log::Format::default())?,
+                source: Arc::clone(&course.programs[run.program].source),
             })
         })
         .collect::<Result<Vec<_>>>()?;
-    let mut aligned = aligned.into_iter();
+    let mut measured = measured.into_iter();
     let repeats = course.repeats();
-    Ok(repeats.iter().map(|runs| aligned.by_ref().take(runs.len()).collect()).collect())
+    Ok(repeats.iter().map(|runs| measured.by_ref().take(runs.len()).collect()).collect())
 }

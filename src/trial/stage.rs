@@ -8,7 +8,7 @@ use super::class::Class;
 use super::course::Course;
 use super::days::days;
 use super::draw::{self, Reach};
-use super::simulated::{aligned, simulate_all};
+use super::simulated::{measured, simulate_all};
 use crate::error::{Error, Kind, Result};
 use crate::identify::{Campaign, Failure, Linearised, Options};
 use crate::model::{Cause, Effect};
@@ -80,15 +80,9 @@ impl Stage {
     pub(super) fn new(course: &Course) -> Result<Self> {
         let mut scenarios = days(course, &mut Chance::new(0, Class::None, 0, Purpose::Days));
         let simulated = simulate_all(course, &scenarios)?;
-        let aligned = aligned(course, &simulated)?;
-        let campaign = Campaign::of_aligned(
-            &course.test,
-            &course.machine,
-            aligned,
-            Vec::new(),
-            Failure::Refuse,
-            &|| (),
-        )?;
+        let measured = measured(course, &simulated)?;
+        let campaign =
+            Campaign::of_measured(&course.test, &course.machine, measured, Failure::Refuse)?;
         let model = campaign.model(&course.test, &course.machine, 0)?;
         let options = Options::of(&course.test);
         let rates: Vec<f64> = simulated.iter().map(|run| run.sample_rate_hz).collect();
