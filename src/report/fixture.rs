@@ -77,14 +77,16 @@ pub(super) fn work_out(set: &str) -> Identified {
                     name: run.name.clone(),
                     mounting: run.mounting,
                     nominal_mm: test.bar_of(run.mounting).length_mm,
-                    alignment: align::align(
-                        &log::read(&run.log, &test.log_format_of(run.mounting)).unwrap(),
-                        &nc::read_file(&run.program, &reading).unwrap(),
-                        &machine,
-                        &mountings[run.mounting],
-                        &test.bar_of(run.mounting),
-                        run.feed_override,
-                    )
+                    alignment: align::align(&align::Run {
+                        log: &log::read(&run.log, &test.log_format_of(run.mounting)).unwrap(),
+                        program: &nc::read_file(&run.program, &reading).unwrap(),
+                        rig: align::Rig {
+                            machine: &machine,
+                            mounting: &mountings[run.mounting],
+                            bar: &test.bar_of(run.mounting),
+                        },
+                        feed_override: run.feed_override,
+                    })
                     .unwrap(),
                 })
                 .collect();

@@ -4,8 +4,9 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 
-use crate::identify::{
-    Comparison, Nearest, PAPER_READINGS, PAPER_TEST_S, PaperTime, Row, Seen, StrategyRows,
+use crate::identify::Seen;
+use crate::paper::{
+    Comparison, Nearest, PAPER_READINGS, PAPER_TEST_S, PaperTime, Row, StrategyRows,
 };
 
 /// Rounded to three significant digits, in powers of ten where it is large.
