@@ -1,11 +1,10 @@
 //! Pictures before and after.
 
 use super::facts::{BinFacts, DiagnosisFacts, FindingFacts, PictureFacts, ViewFacts};
-use super::html::share;
-use crate::report::numbers::fixed;
-use crate::report::svg::text_width;
-use crate::report::svg_chart::{Axis, Chart};
-use crate::report::ticks::enclosing;
+use crate::report::draw::chart::{Axis, Chart};
+use crate::report::draw::svg::text_width;
+use crate::report::draw::ticks::enclosing;
+use crate::report::text::numbers::{fixed, share};
 
 const WIDTH: f64 = 480.0;
 const HEIGHT: f64 = 200.0;

@@ -11,7 +11,8 @@ use crate::diagnose::{Diagnosis, Feature, Finding, Owner, Picture, Rival, Struct
 use crate::identify::Identification;
 use crate::machine::Machine;
 use crate::model::{Kind, Seat};
-use crate::report::numbers::fixed;
+use crate::report::text::numbers::fixed;
+use crate::report::text::words::capital;
 
 /// So many other explanations are told.
 const MOST_RIVALS: usize = 12;
@@ -158,7 +159,7 @@ fn finding(
     let on = seat(of);
     let in_words = on.map_or_else(String::new, words::seat);
     let what = cause.map_or_else(|| "unexplained".into(), |cause| cause.title.to_owned());
-    let title = [words::capital(&what), in_words];
+    let title = [capital(&what), in_words];
     let title = title.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(", ");
     let told = match &feature {
         Some(feature) => described(of, feature),

@@ -3,15 +3,11 @@
 use askama::Template;
 
 use super::facts::{DiagnosisFacts, FindingFacts};
-use super::verdict::percent;
 use super::{figures, terminal};
 use crate::error::{Error, Kind, Result};
-use crate::report::html::fine;
-use crate::report::numbers::{fixed, typeset};
-use crate::report::units::{engineering, row_decimals};
-
-/// A share that rounds to nothing is told as nothing.
-const NOTHING: f64 = 5e-4;
+use crate::report::text::numbers::{fixed, percent, share, typeset};
+use crate::report::text::units::{engineering, row_decimals};
+use crate::report::text::words::fine;
 
 #[derive(Template)]
 #[template(path = "diagnosis.html")]
@@ -86,11 +82,6 @@ fn told(finding: &FindingFacts) -> Told<'_> {
 /// A minus before a number as wide as a plus; hyphens of words stay.
 fn typeset_minus(text: &str) -> String {
     text.replace(" -", " −")
-}
-
-/// A share as percent, nothing where chance made it negative.
-pub(super) fn share(of: f64) -> String {
-    if of < NOTHING { "0 %".into() } else { format!("{} %", fixed(100.0 * of, 1)) }
 }
 
 fn runs(facts: &DiagnosisFacts) -> Vec<[String; 6]> {

@@ -1,10 +1,9 @@
-//! What the model gets wrong, as plain text of at most [`WIDTH`](crate::report::text::WIDTH) columns.
+//! What the model gets wrong, as plain text of at most [`WIDTH`](crate::report::text::layout::WIDTH) columns.
 
 use super::facts::{DiagnosisFacts, FindingFacts, RivalFacts};
-use super::verdict::percent;
-use crate::report::numbers::{decimals, fixed};
-use crate::report::text::{paragraph, table};
-use crate::report::units::{engineering, row_decimals};
+use crate::report::text::layout::{paragraph, table};
+use crate::report::text::numbers::{decimals, fixed, percent};
+use crate::report::text::units::{engineering, row_decimals};
 
 /// Everything: verdict, findings, gain, coefficients that moved, what cannot be seen.
 pub fn diagnosis_text(facts: &DiagnosisFacts) -> String {

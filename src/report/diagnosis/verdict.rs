@@ -1,7 +1,7 @@
 //! Is anything wrong? The verdict, a sentence an entry.
 
 use super::facts::{DiagnosisFacts, OffTimeFacts, StructureFacts, WrongSettingFacts};
-use crate::report::numbers::{fixed, many};
+use crate::report::text::numbers::{fixed, many, percent};
 
 /// Structure of less than so many of its standard deviations may be chance.
 const BEYOND_CHANCE: f64 = 3.0;
@@ -118,9 +118,4 @@ fn found(facts: &DiagnosisFacts) -> String {
         parts.push(format!("{} without a cause", many(unexplained, "curve")));
     }
     format!("Found: {}.", parts.join(", "))
-}
-
-/// A share as percent; what is not quite all is not told as all.
-pub(super) fn percent(share: f64) -> String {
-    fixed((1000.0 * share.clamp(-1.0, 1.0)).floor() / 10.0, 1)
 }

@@ -3,7 +3,7 @@
 use crate::diagnose::WrongSetting;
 use crate::machine::{Axis, Machine, Pivot};
 use crate::model::{AMPLITUDE, Ball, Component, Effect, Power, Seat};
-use crate::report::numbers::{decimals, fixed};
+use crate::report::text::numbers::{decimals, fixed};
 
 use super::facts::NumberFacts;
 
@@ -83,14 +83,6 @@ pub(super) fn setting(wrong: &WrongSetting, machine: &Machine) -> String {
             )
         }
     }
-}
-
-/// A text that begins a sentence.
-pub(super) fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| {
-        first.to_uppercase().collect::<String>() + letters.as_str()
-    })
 }
 
 /// Units at the ends of names, with their signs.

@@ -1,0 +1,215 @@
+//! How the log was laid over the program: the whole log as a strip, and both ends of the engagement.
+
+use super::figure::Figure;
+use crate::align::{Mark, MarkKind};
+use crate::identify::{Identification, RunInput};
+use crate::report::analysis::facts::{Analysis, RunResult};
+use crate::report::draw::chart::{Axis, Chart};
+use crate::report::draw::svg::{Anchor, Drawing, text_width, thinned};
+use crate::report::draw::ticks::ticks;
+use crate::report::text::numbers::fixed;
+
+/// Width of the strip, pixels, and the room beside it.
+const WIDTH: f64 = 980.0;
+const SIDE: f64 = 24.0;
+/// So many samples are drawn at an end of the engagement.
+const MOST_DOTS: usize = 300;
+
+/// The pictures of one run.
+#[derive(Debug)]
+pub(in crate::report) struct RunPicture {
+    /// The run, and of which mounting.
+    pub(in crate::report) name: String,
+    /// The whole log.
+    pub(in crate::report) strip: String,
+    /// The first engagement and the last release.
+    pub(in crate::report) ends: Vec<Figure>,
+}
+
+/// The pictures of all runs, in order.
+pub(in crate::report) fn runs(
+    analysis: &Analysis,
+    identifications: &[Identification],
+) -> Vec<RunPicture> {
+    let runs = identifications.iter().flat_map(|identification| &identification.runs);
+    runs.zip(analysis.runs())
+        .map(|(run, result)| RunPicture {
+            name: analysis.in_mounting(&run.name, run.mounting),
+            strip: strip(run, result),
+            ends: ends(run, analysis),
+        })
+        .collect()
+}
+
+/// The log as a strip of time: arcs, pauses, marks.
+fn strip(run: &RunInput, result: &RunResult) -> String {
+    let alignment = &run.alignment;
+    let map = &alignment.time_map;
+    let (first_s, last_s) = match (alignment.samples.first(), alignment.samples.last()) {
+        (Some(first), Some(last)) => (first.log_s, last.log_s),
+        _ => (0.0, 1.0),
+    };
+    let margin_s = 0.015 * (last_s - first_s).max(1.0);
+    let (low_s, high_s) = (first_s - margin_s, last_s + margin_s);
+    let at = |log_s: f64| SIDE + (log_s - low_s) / (high_s - low_s) * (WIDTH - 2.0 * SIDE);
+    let (top, bottom) = (24.0, 58.0);
+    let mut drawing = Drawing::new(WIDTH, 96.0);
+    drawing.rectangle((SIDE, top), WIDTH - 2.0 * SIDE, bottom - top, "field");
+    let mut circles: Vec<String> = Vec::new();
+    for section in &alignment.sections {
+        let leg = map.leg_of(0.5 * (section.start_s + section.end_s));
+        if map.offset_sigmas_s.get(leg).is_none_or(|sigma| sigma.is_infinite()) {
+            continue;
+        }
+        let (from, to) =
+            (at(map.log_time_s(section.start_s, leg)), at(map.log_time_s(section.end_s, leg)));
+        let name = section.circle.name();
+        let index = circles.iter().position(|c| *c == name).unwrap_or_else(|| {
+            circles.push(name.clone());
+            circles.len() - 1
+        });
+        let class = if section.transit {
+            "arc transit".to_owned()
+        } else {
+            let direction = if section.forward { "forward" } else { "backward" };
+            format!("arc c{} {direction}", index % 8)
+        };
+        drawing.rectangle((from, top), to - from, bottom - top, &class);
+        if section.transit {
+            continue;
+        }
+        let arrow = if section.forward { "→" } else { "←" };
+        let short = name.replace("Meridian ", "M ");
+        let last = name.rsplit(' ').next().unwrap_or("");
+        let texts = [format!("{short} {arrow}"), format!("{last} {arrow}"), arrow.into()];
+        if let Some(text) = texts.iter().find(|text| text_width(text) < to - from - 4.0) {
+            drawing.text((0.5 * (from + to), 45.0), Anchor::Middle, "arc-name", text);
+        }
+    }
+    for (stop, pause) in result.pauses.iter().enumerate() {
+        let Some(length_s) = pause.length_s.filter(|length| *length > 0.0) else { continue };
+        let from = map.log_time_s(pause.program_s, stop);
+        drawing.rectangle((at(from), top), at(from + length_s) - at(from), bottom - top, "pause");
+    }
+    for mark in &alignment.marks {
+        let x = at(mark.log_s);
+        if mark.kind == MarkKind::Standstill {
+            continue;
+        }
+        let points = [(x - 5.0, top - 9.0), (x + 5.0, top - 9.0), (x, top - 1.0)];
+        drawing.polygon(&points, "mark");
+        let (anchor, name, by) = match mark.kind {
+            MarkKind::Engagement => (Anchor::Start, "engages", 8.0),
+            _ => (Anchor::End, "releases", -8.0),
+        };
+        drawing.text((x + by, top - 3.0), anchor, "tick", name);
+    }
+    let axis = ticks(low_s, high_s, 12);
+    for value in &axis.values {
+        let x = at(*value);
+        drawing.line((x, bottom), (x, bottom + 4.0), "tick-line");
+        let label = fixed(*value, axis.decimals);
+        drawing.text((x, bottom + 16.0), Anchor::Middle, "tick", &label);
+    }
+    drawing.text((0.5 * WIDTH, 93.0), Anchor::Middle, "axis", "time on the instrument's clock, s");
+    drawing.finish(&format!("{}: the log over time", run.name))
+}
+
+/// Reading and commanded ramp at the first engagement and at the last release.
+fn ends(run: &RunInput, analysis: &Analysis) -> Vec<Figure> {
+    let marks = &run.alignment.marks;
+    let engagement = marks.iter().find(|mark| mark.kind == MarkKind::Engagement);
+    let release = marks.iter().rev().find(|mark| mark.kind == MarkKind::Release);
+    [engagement, release]
+        .into_iter()
+        .flatten()
+        .map(|mark| Figure { svg: end(run, mark, analysis), caption: String::new(), tall: false })
+        .collect()
+}
+
+fn commanded_mm(run: &RunInput, program_s: f64) -> f64 {
+    let position_mm = run.alignment.trajectory.at(program_s).position_mm;
+    (position_mm - run.alignment.coincidence_mm()).norm() - run.nominal_mm
+}
+
+fn end(run: &RunInput, mark: &Mark, analysis: &Analysis) -> String {
+    let alignment = &run.alignment;
+    let map = &alignment.time_map;
+    let bar = &analysis.ball_bar;
+    let leg = map.leg_of(mark.program_s);
+    let inwards = if mark.kind == MarkKind::Engagement { 1.0 } else { -1.0 };
+    let commanded = |log_s: f64| commanded_mm(run, map.on_leg_s(log_s, leg));
+    // From the mark to where the ramp meets the sphere; a slow feed-in takes longer than a fast one.
+    let mut ramp_s = 0.0;
+    while ramp_s < 30.0 && commanded(mark.log_s + inwards * ramp_s).abs() > 1e-2 * bar.range_mm {
+        ramp_s += 0.01;
+    }
+    let period_s = alignment.sample_period_s;
+    let reach_s = (3.0 * ramp_s).max(8.0 * period_s).max(0.2);
+    let (from, to) = if inwards > 0.0 {
+        (mark.log_s - 0.6 * reach_s, mark.log_s + reach_s)
+    } else {
+        (mark.log_s - reach_s, mark.log_s + 0.6 * reach_s)
+    };
+    let near: Vec<(f64, f64)> = alignment
+        .samples
+        .iter()
+        .filter(|sample| (from..=to).contains(&sample.log_s))
+        .map(|sample| (sample.log_s - mark.log_s, sample.deviation_mm * 1e3))
+        .collect();
+    // The reading settles at the machine's error there, not at zero; the ramp is shown through it.
+    let settled: Vec<f64> = near
+        .iter()
+        .filter(|(time_s, _)| inwards * time_s > ramp_s + period_s)
+        .map(|(_, reading_um)| *reading_um)
+        .collect();
+    let offset_um = settled.iter().sum::<f64>() / settled.len().max(1) as f64;
+    let limit_um = 1.2 * bar.range_mm * 1e3;
+    let curve: Vec<(f64, f64)> = (0..=400)
+        .map(|k| from + (to - from) * f64::from(k) / 400.0)
+        .map(|log_s| (log_s - mark.log_s, commanded(log_s) * 1e3 + offset_um))
+        .filter(|(_, value_um)| value_um.abs() <= limit_um)
+        .collect();
+    // The sphere is at zero: words stand on the other side of it than the ramp.
+    let outwards = curve.iter().map(|(_, value)| *value).sum::<f64>() >= 0.0;
+    let (low, high) =
+        if outwards { (-0.15 * limit_um, limit_um) } else { (-limit_um, 0.15 * limit_um) };
+    let title = match mark.kind {
+        MarkKind::Engagement => "engagement",
+        _ => "release",
+    };
+    let mut chart = Chart::new(
+        480.0,
+        180.0,
+        Axis::new(
+            &format!("time from the mark ({} s on the log), s", fixed(mark.log_s, 4)),
+            (from - mark.log_s, to - mark.log_s),
+        ),
+        Axis::new("reading, µm", (low, high)),
+    );
+    chart.upright(0.0, "mark-line");
+    chart.line(&curve, "commanded");
+    chart.dots(&thinned(&near, MOST_DOTS), "reading");
+    let told = format!("{}: {title}", run.name);
+    // On the side where the bar reads nothing there is room for words.
+    let (x, anchor) = if inwards > 0.0 {
+        (to - mark.log_s, Anchor::End)
+    } else {
+        (from - mark.log_s, Anchor::Start)
+    };
+    let lines = [
+        title.to_owned(),
+        match mark.samples {
+            0 => "edge of the range only".to_owned(),
+            1 => "1 sample on the ramp".to_owned(),
+            n => format!("{n} samples on the ramp"),
+        },
+        format!("± {} ms", fixed(mark.sigma_s * 1e3, 2)),
+    ];
+    let corner = if outwards { (high, 16.0) } else { (low, -38.0) };
+    for (k, line) in lines.iter().enumerate() {
+        let by = (if inwards > 0.0 { -8.0 } else { 8.0 }, corner.1 + 14.0 * k as f64);
+        chart.note((x, corner.0), by, anchor, line);
+    }
+    chart.finish(&told)
+}
