@@ -22,6 +22,7 @@
 //! | [`solve`] | factorisation, rank, covariance: the linear algebra |
 //! | [`identify`] | the fit, what is observable, repeats |
 //! | [`design`] | what a test will see before it is run, and which test sees most |
+//! | [`residual`] | what a fit leaves: samples, noise, what an effect explains beside others |
 //! | [`diagnose`] | what the model gets wrong, the cause, the gain |
 //! | [`trial`] | effects hidden at random, diagnosed and judged |
 //! | [`report`] | terminal, HTML, JSON, CSV |
@@ -66,6 +67,7 @@ pub mod motion;
 pub mod nc;
 pub mod plan;
 pub mod report;
+pub mod residual;
 pub mod simulate;
 pub mod solve;
 mod toml_text;

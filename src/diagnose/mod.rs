@@ -10,54 +10,41 @@
 //! column `c` counts by what the fits of the model do not follow, `c' = c - Q Q^T c`, so a cause is never
 //! credited with what a cubic explains, nor the model blamed for it.
 
-mod arcs;
-mod channel;
+mod account;
 mod choose;
-mod curves;
-mod data;
-mod domains;
-mod element;
-mod extend;
-mod feature;
-mod floor;
-mod gain;
-mod joint;
-mod knock;
-mod model_file;
-mod moved;
-mod noise;
-mod numbers;
-mod picture;
 mod result;
-mod screen;
-mod seen;
-mod settings;
-mod spectra;
-mod tidy;
-mod times;
-mod unseen;
-mod vibration;
-mod view;
+mod seek;
+mod thresholds;
+mod views;
 
-pub use arcs::ArcShare;
-pub use choose::{Rival, Told};
-pub use element::{Element, Owner};
-pub use feature::Feature;
-pub use floor::Structure;
-pub use picture::{Picture, Point};
-pub use result::{Diagnosis, Finding, LeftOut, Moved, Number, ProgramGain, RunGain, Verdict};
-pub use settings::WrongSetting;
-pub use times::OffTime;
-pub use view::{Bin, Kind, View};
+pub use account::arcs::ArcShare;
+pub use account::gain::{ProgramGain, RunGain};
+pub use account::left_out::LeftOut;
+pub use account::moved::Moved;
+pub use account::numbers::Number;
+pub use account::times::OffTime;
+pub use choose::found::{Rival, Told};
+pub use choose::settings::WrongSetting;
+pub use result::{Diagnosis, Finding, Verdict};
+pub use views::feature::Feature;
+pub use views::picture::{Picture, Point};
+pub use views::view::{Bin, Kind, View};
+
+use account::{arcs, gain, moved, numbers, times, unseen};
+use choose::found::Chosen;
+use choose::search::Search;
+use choose::{extend, settings};
+use seek::screen::Screen;
+use views::{means, picture, sample, spectra};
 
 use crate::error::Result;
 use crate::identify::Campaign;
 use crate::machine::Machine;
 use crate::plan::Test;
-use choose::{Chosen, Search};
-use data::{Data, dot};
-use noise::Noise;
-use screen::Screen;
+use crate::residual::data::{Data, dot};
+use crate::residual::noise::Noise;
+use crate::residual::structure;
+pub use crate::residual::{Element, Owner, Structure};
 
 /// Looks for what the model of a campaign gets wrong, and does not yet extend it: no gain is measured, and the
 /// numbers are those of a search that is linear about the first identification.
@@ -120,7 +107,7 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
     let chosen = chosen(&mut data, campaign);
     let before = data.residuals_mm();
     let before_mm = (data.squares_without_mm2() / data.samples().max(1) as f64).sqrt();
-    let structure_before = floor::structure(&data, &before, |_, _| true);
+    let structure_before = structure::structure(&data, &before, |_, _| true);
     let extended = match chosen {
         Some(chosen) => extend::extend(test, machine, campaign, &data, chosen)?,
         None => None,
@@ -148,12 +135,12 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         before_mm,
         after_mm: mean(&left),
         structure_before,
-        structure_after: floor::structure(&data, &left, |_, _| true),
+        structure_after: structure::structure(&data, &left, |_, _| true),
         neighbours_mm: noise.neighbours_mm2.sqrt(),
         effective_samples: samples as f64 * noise.variance_mm2 / noise.long_run_mm2,
         explained: explained.map(|explained| explained.0),
         explained_interval: explained.map(|explained| explained.1),
-        smallest_mm: (choose::threshold_mm2(&data, &noise) / samples.max(1) as f64).sqrt(),
+        smallest_mm: (thresholds::threshold_mm2(&data, &noise) / samples.max(1) as f64).sqrt(),
     };
     let programs = fitted.map_or_else(Vec::new, |fitted| gain::by_program(&data, fitted));
     let moved = match (fitted, &extended) {
@@ -191,8 +178,8 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
 
 /// The residual before and after against everything, what holds most structure first.
 fn views(data: &Data, campaign: &Campaign, left_mm: &[Vec<f64>], long_run_mm2: f64) -> Vec<View> {
-    let (seen, circles) = seen::seen(data, campaign, left_mm);
-    let mut views = domains::views(&seen, &circles, long_run_mm2);
+    let (seen, circles) = sample::seen(data, campaign, left_mm);
+    let mut views = means::views(&seen, &circles, long_run_mm2);
     views.extend(spectra::views(&seen, long_run_mm2));
     let score = |view: &View| view.share_before.max(view.share_after);
     views.sort_by(|a, b| score(b).total_cmp(&score(a)));

@@ -1,0 +1,138 @@
+//! What does not stand beside the rest: curves where causes do as well, and causes that only mend others.
+
+use super::search::Search;
+use crate::diagnose::seek::curves;
+use crate::diagnose::thresholds::{OF_A_CURVE, SHADOW, threshold_mm2};
+use crate::machine::Axis;
+use crate::model::{Form, Kind, Seat, Variable};
+use crate::residual::data::norm2;
+use crate::residual::element::Element;
+use crate::residual::joint::Fitted;
+use crate::residual::noise::Noise;
+
+/// Causes in place of a curve explain at least this share of what the curve does.
+const INSTEAD_OF_A_CURVE: f64 = 0.99;
+/// Waves longer than this are smooth, mm.
+const SMOOTH_MM: f64 = 25.0;
+/// And one this many times larger, rms, than what all effects explain together is there to cancel another.
+const FIGHTING: f64 = 2.0;
+
+impl Search<'_> {
+    /// The effects that stand.
+    pub(crate) fn tidied(&mut self, fitted: Fitted) -> Option<Fitted> {
+        let fitted = self.without_curves(fitted);
+        let fitted = self.without_makeshifts(fitted);
+        // A curve that has joined may leave more beside itself that only mends it.
+        let fitted = self.without_makeshifts(fitted);
+        self.without_shadows(fitted)
+    }
+
+    /// Causes in place of curves, where they explain as much.
+    fn without_curves(&mut self, fitted: Fitted) -> Fitted {
+        let mut best = fitted;
+        let mut index = 0;
+        while index < best.elements.len() {
+            if best.elements[index].shape().is_some() {
+                index += 1;
+                continue;
+            }
+            let mut others = best.elements.clone();
+            others.remove(index);
+            let start = if others.is_empty() { None } else { self.fit_all(others) };
+            let most = best.elements.len() + 1;
+            let tried = self.forward(start, false, most);
+            match tried {
+                Some(tried) if self.score(&tried) > INSTEAD_OF_A_CURVE * self.score(&best) => {
+                    best = tried;
+                    index = 0;
+                }
+                _ => index += 1,
+            }
+        }
+        self.accept(Some(&best));
+        best
+    }
+
+    /// A curve in place of several smooth causes over one variable that together do no better than it, and of
+    /// any beside a curve over it: waves and powers can be piled up to any bump, and frictions to any
+    /// friction.
+    fn without_makeshifts(&mut self, fitted: Fitted) -> Fitted {
+        let mut best = fitted;
+        let variables = Axis::ALL.map(|axis| [Variable::Position(axis), Variable::Velocity(axis)]);
+        for over in variables.into_iter().flatten() {
+            let described = best.elements.iter().any(|e| described_over(e) == Some(over));
+            // Beside a curve over a position, so is a roundness: a smooth function of all three.
+            let round = |e: &Element| e.shape().is_some_and(|s| s.cause.kind == Kind::Roundness);
+            let of_position = matches!(over, Variable::Position(_)) && described;
+            let makeshift = |e: &Element| smooth_over(e) == Some(over) || (of_position && round(e));
+            let smooth = best.elements.iter().filter(|e| makeshift(e)).count();
+            if smooth + usize::from(described) < 2 || smooth == 0 {
+                continue;
+            }
+            let kept: Vec<Element> = best
+                .elements
+                .iter()
+                .filter(|e| !makeshift(e) && described_over(e) != Some(over))
+                .cloned()
+                .collect();
+            let start = if kept.is_empty() { None } else { self.fit_all(kept) };
+            self.accept(start.as_ref());
+            let found = curves::best(self.data, &self.screen.channels, 0.0, &|curve| {
+                !curve.with_sense && curve.variable == over
+            });
+            let Some(curve) = found else { continue };
+            let before = start.iter().flat_map(|fitted| fitted.elements.clone());
+            let elements = before.chain(curve.fitted.elements).collect();
+            let Some(instead) = self.fit_all(elements) else { continue };
+            self.accept(Some(&instead));
+            // Where a curve is needed anyway, nothing smooth over the same is named beside it.
+            if described || self.score(&instead) > OF_A_CURVE * self.score(&best) {
+                best = instead;
+            }
+        }
+        self.accept(Some(&best));
+        best
+    }
+
+    /// Without the causes that are small beside a curve: what a curve leaves of an effect that nobody knows
+    /// is no cause. Nor are those that are much larger than what all together explain: they fight others.
+    fn without_shadows(&mut self, fitted: Fitted) -> Option<Fitted> {
+        let size = |k: usize| norm2(&fitted.part(k).effect(self.data)).sqrt();
+        let largest = self.largest_curve(&fitted);
+        let most = FIGHTING * fitted.gain_mm2.max(0.0).sqrt();
+        let noise = Noise::of(self.data);
+        let least = threshold_mm2(self.data, &noise).sqrt();
+        let credible = |k: usize| size(k) > least.max(SHADOW * largest) && size(k) < most;
+        let kept: Vec<Element> = (0..fitted.elements.len())
+            .filter(|k| fitted.elements[*k].shape().is_none() || credible(*k))
+            .map(|k| fitted.elements[k].clone())
+            .collect();
+        if kept.len() == fitted.elements.len() || kept.is_empty() {
+            return Some(fitted);
+        }
+        let fitted = self.fit_all(kept);
+        self.accept(fitted.as_ref());
+        fitted
+    }
+}
+
+/// The variable over which a cause is smooth: of such causes several make any curve.
+fn smooth_over(element: &Element) -> Option<Variable> {
+    let shape = element.shape()?;
+    match (shape.cause.kind, shape.seat, shape.inner) {
+        (Kind::Degree, Seat::Function(slide, _), _) => Some(Variable::Position(slide)),
+        (Kind::Cyclic, Seat::Function(slide, _), Some(period_mm)) if period_mm > SMOOTH_MM => {
+            Some(Variable::Position(slide))
+        }
+        (Kind::StickSlip, Seat::Slide(slide), _) => Some(Variable::Velocity(slide)),
+        _ => None,
+    }
+}
+
+/// What a curve runs over, either way alike.
+fn described_over(element: &Element) -> Option<Variable> {
+    match &element.form {
+        Form::Empirical(curve) if !curve.with_sense => Some(curve.variable),
+        _ => None,
+    }
+}

@@ -1,0 +1,8 @@
+//! What could be there: every cause on every seat, curves, steps and lines.
+
+pub(super) mod candidate;
+pub(super) mod channel;
+pub(super) mod curves;
+pub(super) mod knock;
+pub(super) mod screen;
+pub(super) mod vibration;

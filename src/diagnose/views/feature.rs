@@ -1,0 +1,139 @@
+//! Where a curve of any shape is largest, and how wide it is there.
+//!
+//! What the model spans anyway, a cubic over the position of a slide or a constant over anything else, is
+//! in the knots by chance: it is taken off first, by a fit that heeds large values less and less.
+
+use crate::model::{Empirical, Form, Variable};
+use crate::residual::element::Element;
+use crate::solve::{Cholesky, Matrix};
+
+/// Fits of the trend; each heeds what stands out of the one before less.
+const FITS: usize = 6;
+/// What is beyond so many times the median magnitude is not heeded.
+const OUTSTANDING: f64 = 3.0;
+
+/// The largest part of a curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Feature {
+    /// The knots, in the unit of the curve's variable.
+    pub knots: Vec<f64>,
+    /// The curve at the knots without its trend, mm or rad.
+    pub values: Vec<f64>,
+    /// Where it is largest, midway between the places of half the height, in the unit of the variable.
+    pub at: f64,
+    /// How large it is there, with its sign, mm or rad.
+    pub height: f64,
+    /// Width at half the height, in the unit of the variable.
+    pub width: f64,
+}
+
+impl Element {
+    /// Its curve, where no cause explains it.
+    pub fn curve(&self) -> Option<&Empirical> {
+        match &self.form {
+            Form::Empirical(curve) => Some(curve),
+            Form::Cause(_) => None,
+        }
+    }
+}
+
+impl Feature {
+    /// Of an element that is a curve, with its amplitudes in mm or rad; `None` of any other.
+    pub fn of(element: &Element, amplitudes: &[f64]) -> Option<Self> {
+        let curve = element.curve()?;
+        let knots = curve.knots.clone();
+        if amplitudes.len() != knots.len() || knots.len() < 5 {
+            return None;
+        }
+        let degree = match curve.variable {
+            Variable::Position(_) if !curve.with_sense => 3,
+            _ => 0,
+        };
+        let values = without_trend(&knots, amplitudes, degree)?;
+        let largest = |a: &usize, b: &usize| values[*a].abs().total_cmp(&values[*b].abs());
+        let top = (0..knots.len()).max_by(largest)?;
+        let height = values[top];
+        let left = half(&knots[..=top], &values[..=top], height, true);
+        let right = half(&knots[top..], &values[top..], height, false);
+        Some(Self { at: 0.5 * (left + right), height, width: right - left, knots, values })
+    }
+}
+
+/// Where a curve falls to half its height, going away from the end that has it.
+fn half(knots: &[f64], values: &[f64], height: f64, leftwards: bool) -> f64 {
+    let count = knots.len();
+    let index = |step: usize| if leftwards { count - 1 - step } else { step };
+    for step in 1..count {
+        let (inner, outer) = (index(step - 1), index(step));
+        let (a, b) = (values[inner] / height, values[outer] / height);
+        if b < 0.5 {
+            return knots[inner] + (a - 0.5) / (a - b) * (knots[outer] - knots[inner]);
+        }
+    }
+    knots[index(count - 1)]
+}
+
+/// Values less a polynomial that heeds what stands out less and less.
+fn without_trend(knots: &[f64], values: &[f64], degree: usize) -> Option<Vec<f64>> {
+    let (first, last) = (knots[0], knots[knots.len() - 1]);
+    let terms = degree + 1;
+    let power = |knot: f64, k: usize| {
+        let scaled = 2.0 * (knot - first) / (last - first) - 1.0;
+        scaled.powi(k as i32)
+    };
+    let mut weights = vec![1.0; knots.len()];
+    let mut rest = values.to_vec();
+    for _ in 0..FITS {
+        let weighed = |f: &dyn Fn(usize) -> f64| -> f64 {
+            weights.iter().enumerate().map(|(i, w)| w * f(i)).sum()
+        };
+        let normal = Matrix::from_fn(terms, terms, |j, k| {
+            let sum = weighed(&|i| power(knots[i], j) * power(knots[i], k));
+            if j == k { sum + 1e-9 * knots.len() as f64 } else { sum }
+        });
+        let common: Vec<f64> =
+            (0..terms).map(|k| weighed(&|i| power(knots[i], k) * values[i])).collect();
+        let trend = Cholesky::of(&normal)?.solve(&common);
+        rest = (0..knots.len())
+            .map(|i| {
+                let fitted: f64 =
+                    trend.iter().enumerate().map(|(k, t)| t * power(knots[i], k)).sum();
+                values[i] - fitted
+            })
+            .collect();
+        let mut sizes: Vec<f64> = rest.iter().map(|r| r.abs()).collect();
+        sizes.sort_by(f64::total_cmp);
+        let limit = OUTSTANDING * sizes[sizes.len() / 2].max(1e-12);
+        weights = rest.iter().map(|r| (1.0 - (r / limit).powi(2)).max(0.0).powi(2)).collect();
+    }
+    Some(rest)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::diagnose::Owner;
+    use crate::machine::Axis;
+    use crate::model::Seat;
+
+    #[test]
+    fn a_bump_is_found_on_any_cubic() {
+        let knots: Vec<f64> = (0..61).map(|k| -150.0 + 5.0 * f64::from(k)).collect();
+        let bump = |h: f64| 2e-3 * (-(h - 42.0).powi(2) / (2.0 * 9.0_f64.powi(2))).exp();
+        let values: Vec<f64> =
+            knots.iter().map(|h| bump(*h) + 0.01 + 3e-5 * h - 2e-9 * h.powi(3)).collect();
+        let curve = Empirical {
+            seat: Seat::parse("EXX").unwrap(),
+            variable: Variable::Position(Axis::X),
+            with_sense: false,
+            knots,
+        };
+        let element = Element { form: Form::Empirical(curve), owner: Owner::All };
+        let feature = Feature::of(&element, &values).unwrap();
+        assert!((feature.at - 42.0).abs() < 1.0, "{}", feature.at);
+        assert!((feature.height / 2e-3 - 1.0).abs() < 0.1, "{}", feature.height);
+        // Full width at half the height of a normal curve is 2.355 of its sigma.
+        assert!((feature.width / (2.355 * 9.0) - 1.0).abs() < 0.15, "{}", feature.width);
+    }
+}
