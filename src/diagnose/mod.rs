@@ -22,7 +22,7 @@ pub use account::gain::{ProgramGain, RunGain};
 pub use account::left_out::LeftOut;
 pub use account::moved::Moved;
 pub use account::numbers::Number;
-pub use account::times::OffTime;
+pub use account::times::{OffCause, OffTime};
 pub use choose::found::{Rival, Told};
 pub use choose::settings::WrongSetting;
 pub use result::{Diagnosis, Finding, Verdict};
@@ -138,6 +138,7 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         structure_after: structure::structure(&data, &left, |_, _| true),
         neighbours_mm: noise.neighbours_mm2.sqrt(),
         effective_samples: samples as f64 * noise.variance_mm2 / noise.long_run_mm2,
+        samples,
         explained: explained.map(|explained| explained.0),
         explained_interval: explained.map(|explained| explained.1),
         smallest_mm: (thresholds::threshold_mm2(&data, &noise) / samples.max(1) as f64).sqrt(),
@@ -171,7 +172,6 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         off_times: times::off(test, campaign),
         wrong_settings: corrected.as_ref().map_or_else(Vec::new, |now| now.wrong.clone()),
         left_out: campaign.left_out.iter().map(|(run, error)| LeftOut::of(run, error)).collect(),
-        samples,
         extended,
     })
 }

@@ -38,11 +38,7 @@ pub use analysis::samples::{write_aligned, write_samples};
 pub use analysis::terminal::{runs_table, summary};
 pub use design::facts::{proposal_json, unseen_of};
 pub use design::terminal::{proposal_text, some_of};
-pub use diagnosis::facts::{
-    ArcFacts, BinFacts, DiagnosisFacts, FeatureFacts, FindingFacts, LeftOutFacts, MovedFacts,
-    NumberFacts, OffTimeFacts, PictureFacts, PointFacts, ProgramGainFacts, RivalFacts,
-    RunGainFacts, StructureFacts, ViewFacts, WrongSettingFacts,
-};
+pub use diagnosis::facts::{DiagnosisFacts, FindingFacts, WrongSettingFacts};
 pub use diagnosis::terminal::diagnosis_text;
 pub use paper::facts::paper_json;
 pub use paper::page::paper_page;

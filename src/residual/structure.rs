@@ -7,6 +7,8 @@
 //!
 //! and what is left of the variance, `e² - structure²`, is the repeatability floor.
 
+use serde::ser::{Serialize, SerializeStruct, Serializer};
+
 use super::data::Data;
 
 /// Readings farther apart than so many periods are not interpolated between.
@@ -25,6 +27,18 @@ impl Structure {
     /// Root mean square of what repeats, mm; 0 where chance makes the variance negative.
     pub fn rms_mm(&self) -> f64 {
         self.variance_mm2.max(0.0).sqrt()
+    }
+}
+
+/// In um and um².
+impl Serialize for Structure {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        const UM: f64 = 1e3;
+        let mut fields = serializer.serialize_struct("Structure", 3)?;
+        fields.serialize_field("rms_um", &(self.rms_mm() * UM))?;
+        fields.serialize_field("variance_um2", &(self.variance_mm2 * UM * UM))?;
+        fields.serialize_field("sigma_um2", &(self.sigma_mm2 * UM * UM))?;
+        fields.end()
     }
 }
 

@@ -6,39 +6,46 @@
 //! the repeat's own.
 
 use rayon::prelude::*;
+use serde::Serialize;
 
 use crate::residual::data::{Column, Data, dot};
 use crate::residual::element::Owner;
 use crate::residual::joint::{self, Fitted};
 use crate::residual::structure;
+use crate::written::um;
 
 /// Root mean squares of one run that took no part in the fit of the effects.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RunGain {
     /// Name of the run.
     pub run: String,
     /// Samples.
     pub samples: usize,
     /// Without the effects, mm.
+    #[serde(rename = "before_um", serialize_with = "um")]
     pub before_mm: f64,
     /// With the effects as the other repeats have them, mm.
+    #[serde(rename = "after_um", serialize_with = "um")]
     pub after_mm: f64,
     /// What does not repeat from run to run, mm; what all effects together leave where nothing repeats.
+    #[serde(rename = "floor_um", serialize_with = "um")]
     pub floor_mm: f64,
     /// `(before² - after²) / (before² - floor²)`; `None` where nothing was there to explain.
     pub explained: Option<f64>,
 }
 
 /// The effects as runs of the other programs have them.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ProgramGain {
     /// Runs that took no part: all of one program.
     pub runs: Vec<String>,
     /// The largest feed in their arcs, mm/min.
     pub feed_mm_min: f64,
     /// Without the effects, mm.
+    #[serde(rename = "before_um", serialize_with = "um")]
     pub before_mm: f64,
     /// With the effects as the runs of all other programs have them, mm.
+    #[serde(rename = "after_um", serialize_with = "um")]
     pub after_mm: f64,
 }
 

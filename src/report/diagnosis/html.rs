@@ -9,6 +9,9 @@ use crate::report::text::numbers::{fixed, percent, share, typeset};
 use crate::report::text::units::{engineering, row_decimals};
 use crate::report::text::words::fine;
 
+/// Tables are in um.
+const UM: f64 = 1e3;
+
 #[derive(Template)]
 #[template(path = "diagnosis.html")]
 struct Section<'a> {
@@ -48,8 +51,8 @@ pub(in crate::report) fn section(facts: &DiagnosisFacts) -> Result<String> {
                 [
                     program.runs.join(", "),
                     fixed(program.feed_mm_min, 0),
-                    fixed(program.before_um, 3),
-                    fixed(program.after_um, 3),
+                    fixed(program.before_mm * UM, 3),
+                    fixed(program.after_mm * UM, 3),
                 ]
             })
             .collect(),
@@ -67,7 +70,7 @@ pub(in crate::report) fn section(facts: &DiagnosisFacts) -> Result<String> {
 fn told(finding: &FindingFacts) -> Told<'_> {
     Told {
         numbers: typeset_minus(&fine(&finding.told)),
-        size: fixed(finding.rms_um, 3),
+        size: fixed(finding.rms_mm * UM, 3),
         others: terminal::others(finding),
         picture: finding.picture.as_ref().map(|picture| figures::picture(finding, picture)),
         caption: if finding.named {
@@ -89,9 +92,9 @@ fn runs(facts: &DiagnosisFacts) -> Vec<[String; 6]> {
         [
             (k + 1).to_string(),
             run.run.clone(),
-            fixed(run.before_um, 3),
-            fixed(run.after_um, 3),
-            fixed(run.floor_um, 3),
+            fixed(run.before_mm * UM, 3),
+            fixed(run.after_mm * UM, 3),
+            fixed(run.floor_mm * UM, 3),
             run.explained.map_or("–".into(), |share| format!("{} %", percent(share))),
         ]
     });
@@ -125,10 +128,10 @@ fn arcs(facts: &DiagnosisFacts) -> Vec<[String; 6]> {
         [
             arc.name.clone(),
             fixed(arc.feed_mm_min, 0),
-            fixed(arc.before_um, 3),
-            fixed(arc.after_um, 3),
-            shown(arc.structure_share_before),
-            shown(arc.structure_share_after),
+            fixed(arc.before_mm * UM, 3),
+            fixed(arc.after_mm * UM, 3),
+            shown(arc.structure_before),
+            shown(arc.structure_after),
         ]
     });
     each.collect()

@@ -1,9 +1,13 @@
 //! What the model gets wrong, as plain text of at most [`WIDTH`](crate::report::text::layout::WIDTH) columns.
 
-use super::facts::{DiagnosisFacts, FindingFacts, RivalFacts};
+use super::facts::{DiagnosisFacts, FindingFacts};
+use crate::diagnose::{Rival, Told};
 use crate::report::text::layout::{paragraph, table};
 use crate::report::text::numbers::{decimals, fixed, percent};
 use crate::report::text::units::{engineering, row_decimals};
+
+/// Tables are in um.
+const UM: f64 = 1e3;
 
 /// Everything: verdict, findings, gain, coefficients that moved, what cannot be seen.
 pub fn diagnosis_text(facts: &DiagnosisFacts) -> String {
@@ -28,7 +32,7 @@ pub fn diagnosis_text(facts: &DiagnosisFacts) -> String {
     if !facts.left_out.is_empty() {
         text.push_str("\nRuns that were left out\n");
         for run in &facts.left_out {
-            paragraph(&mut text, "  - ", &format!("{}: {}", run.run, run.reason));
+            paragraph(&mut text, "  - ", &format!("{}: {}", run.runs, run.reason));
             if let Some(hint) = &run.hint {
                 paragraph(&mut text, "    hint: ", hint);
             }
@@ -62,7 +66,7 @@ pub(in crate::report) fn in_short(facts: &DiagnosisFacts) -> String {
 /// What it is with its numbers and its size.
 pub(super) fn headline(finding: &FindingFacts) -> String {
     if finding.named {
-        let size = format!("{} um rms of the residual", fixed(finding.rms_um, 3));
+        let size = format!("{} um rms of the residual", fixed(finding.rms_mm * UM, 3));
         let parts = [finding.told.as_str(), &size];
         let parts: Vec<&str> = parts.into_iter().filter(|part| !part.is_empty()).collect();
         format!("{}: {}.", finding.title, parts.join("; "))
@@ -99,7 +103,7 @@ fn full(text: &mut String, number: usize, finding: &FindingFacts) {
         );
     }
     for effect in &finding.effects {
-        paragraph(text, "     --hide       ", &shortened(effect));
+        paragraph(text, "     --hide       ", &shortened(&effect.to_string()));
     }
 }
 
@@ -121,21 +125,20 @@ fn shortened(effect: &str) -> String {
 
 /// What else it could be, in sentences.
 pub(super) fn others(finding: &FindingFacts) -> Vec<String> {
-    let of = |told: &'static str| -> Vec<&RivalFacts> {
+    let of = |told: Told| -> Vec<&Rival> {
         finding.rivals.iter().filter(|rival| rival.told == told).collect()
     };
-    let names = |rivals: &[&RivalFacts]| {
-        rivals.iter().map(|rival| rival.name.as_str()).collect::<Vec<_>>().join(", ")
-    };
+    let names =
+        |rivals: &[&Rival]| rivals.iter().map(|rival| rival.name()).collect::<Vec<_>>().join(", ");
     let mut told = Vec::new();
-    let same = of("same");
+    let same = of(Told::Same);
     if !same.is_empty() {
         told.push(format!(
             "Cannot be told from {} with these runs: they leave the same trace.",
             names(&same)
         ));
     }
-    let undecided = of("undecided");
+    let undecided = of(Told::Undecided);
     if let Some(first) = undecided.first() {
         told.push(format!(
             "Not decided by these runs, within the noise: {} (explains {} % of that).",
@@ -143,13 +146,13 @@ pub(super) fn others(finding: &FindingFacts) -> Vec<String> {
             percent_of(first)
         ));
     }
-    if let Some(next) = of("apart").first() {
-        told.push(format!("Next best: {} explains {} % of that.", next.name, percent_of(next)));
+    if let Some(next) = of(Told::Apart).first() {
+        told.push(format!("Next best: {} explains {} % of that.", next.name(), percent_of(next)));
     }
     told
 }
 
-fn percent_of(rival: &RivalFacts) -> String {
+fn percent_of(rival: &Rival) -> String {
     fixed(100.0 * rival.share, 1)
 }
 
@@ -168,9 +171,9 @@ fn gains(facts: &DiagnosisFacts) -> String {
     for run in &facts.runs {
         rows.push(vec![
             run.run.clone(),
-            fixed(run.before_um, 3),
-            fixed(run.after_um, 3),
-            fixed(run.floor_um, 3),
+            fixed(run.before_mm * UM, 3),
+            fixed(run.after_mm * UM, 3),
+            fixed(run.floor_mm * UM, 3),
             run.explained.map_or("-".into(), |share| format!("{} %", percent(share))),
         ]);
     }
@@ -183,8 +186,8 @@ fn gains(facts: &DiagnosisFacts) -> String {
             rows.push(vec![
                 program.runs.join(", "),
                 format!("{} mm/min", fixed(program.feed_mm_min, 0)),
-                fixed(program.before_um, 3),
-                fixed(program.after_um, 3),
+                fixed(program.before_mm * UM, 3),
+                fixed(program.after_mm * UM, 3),
             ]);
         }
         text.push_str(&table(&rows, "lrrr"));

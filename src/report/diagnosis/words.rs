@@ -1,11 +1,9 @@
 //! Effects in words.
 
-use crate::diagnose::WrongSetting;
+use crate::diagnose::{Number, WrongSetting};
 use crate::machine::{Axis, Machine, Pivot};
 use crate::model::{AMPLITUDE, Ball, Component, Effect, Power, Seat};
 use crate::report::text::numbers::{decimals, fixed};
-
-use super::facts::NumberFacts;
 
 /// Common multiples of sample rates are looked for up to so many times the fastest.
 const MOST_FOLDS: u32 = 12;
@@ -100,12 +98,12 @@ const UNITS: [(&str, &str); 10] = [
 ];
 
 /// `amplitude 1.201 +- 0.002 um, period 10.0000 +- 0.0003 mm`.
-pub(super) fn numbers(numbers: &[NumberFacts]) -> String {
+pub(super) fn numbers(numbers: &[Number]) -> String {
     let told: Vec<String> = numbers.iter().map(number).collect();
     told.join(", ")
 }
 
-fn number(number: &NumberFacts) -> String {
+fn number(number: &Number) -> String {
     // Of several amplitudes: which one.
     let (name, which) = number.name.split_once(' ').unwrap_or((&number.name, ""));
     let (name, unit) = UNITS
@@ -131,7 +129,7 @@ fn number(number: &NumberFacts) -> String {
 }
 
 /// What follows from a cause's numbers, in sentences.
-pub(super) fn remarks(effect: &Effect, numbers: &[NumberFacts], machine: &Machine) -> Vec<String> {
+pub(super) fn remarks(effect: &Effect, numbers: &[Number], machine: &Machine) -> Vec<String> {
     match (effect.cause.id, effect.seat) {
         ("cyclic", Seat::Function(axis, _)) => vec![screw(effect, numbers, machine, axis)],
         ("servo", Seat::Slide(axis)) => {
@@ -178,7 +176,7 @@ pub(super) fn aliases(frequency_hz: f64, rates_hz: &[f64]) -> Option<String> {
 }
 
 /// Which part of the screw's pitch a period is.
-fn screw(effect: &Effect, numbers: &[NumberFacts], machine: &Machine, axis: Axis) -> String {
+fn screw(effect: &Effect, numbers: &[Number], machine: &Machine, axis: Axis) -> String {
     let Some(pitch_mm) = machine.slide(axis).screw_pitch_mm else {
         return format!(
             "The machine file does not say the pitch of the screw of {axis} (`screw_pitch_mm`)."
@@ -211,8 +209,8 @@ fn screw(effect: &Effect, numbers: &[NumberFacts], machine: &Machine, axis: Axis
 mod tests {
     use super::*;
 
-    fn of(name: &str, value: f64, sigma: Option<f64>) -> NumberFacts {
-        NumberFacts { name: name.into(), value, sigma }
+    fn of(name: &str, value: f64, sigma: Option<f64>) -> Number {
+        Number { name: name.into(), value, sigma }
     }
 
     #[test]
