@@ -28,7 +28,7 @@ pub use choose::settings::WrongSetting;
 pub use result::{Diagnosis, Finding, Verdict};
 pub use views::feature::Feature;
 pub use views::picture::{Picture, Point};
-pub use views::view::{Bin, Kind, View};
+pub use views::view::{Bin, Kind, Subject, View};
 
 use account::{arcs, gain, moved, numbers, times, unseen};
 use choose::found::Chosen;

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::sample::{ELAPSED, Seen};
-use super::view::{Bin, Kind, View};
+use super::sample::{AZIMUTH, ELAPSED, FEED, POLAR_ANGLE, Seen};
+use super::view::{Bin, Kind, Subject, View};
 use crate::machine::Axis;
 use crate::model::Variable;
 
@@ -61,6 +61,19 @@ impl Against {
             Self::Circle(_) => f64::NAN,
         }
     }
+
+    fn subject(&self) -> Subject {
+        match self {
+            Self::Value(0..=2) => Subject::Position,
+            Self::Value(3..=5) => Subject::Velocity,
+            Self::Value(index @ 6..=8) => Subject::SinceReversal(Axis::ALL[index - 6]),
+            Self::Value(ELAPSED) => Subject::Elapsed,
+            Self::Value(AZIMUTH) => Subject::Azimuth,
+            Self::Value(POLAR_ANGLE) => Subject::PolarAngle,
+            Self::Value(_) => Subject::Feed,
+            Self::Circle(_) => Subject::Circle,
+        }
+    }
 }
 
 /// All views as means, in fixed order.
@@ -87,9 +100,9 @@ pub(crate) fn views(all: &[Seen], circles: &[String], long_run_mm2: f64) -> Vec<
     for weight in [Weight::One].into_iter().chain(Axis::ALL.map(Weight::Along)) {
         wanted.push((Against::Value(ELAPSED), Variable::Elapsed.to_string(), "s", weight));
     }
-    wanted.push((Against::Value(10), "azimuth of the bar".into(), "deg", Weight::One));
-    wanted.push((Against::Value(11), "polar angle of the bar".into(), "deg", Weight::One));
-    wanted.push((Against::Value(12), "feed".into(), "mm/min", Weight::One));
+    wanted.push((Against::Value(AZIMUTH), "azimuth of the bar".into(), "deg", Weight::One));
+    wanted.push((Against::Value(POLAR_ANGLE), "polar angle of the bar".into(), "deg", Weight::One));
+    wanted.push((Against::Value(FEED), "feed".into(), "mm/min", Weight::One));
     for (index, circle) in circles.iter().enumerate() {
         for weight in [Weight::One, Weight::Way] {
             wanted.push((Against::Circle(index), format!("angle on {circle}"), "deg", weight));
@@ -105,6 +118,7 @@ pub(crate) fn views(all: &[Seen], circles: &[String], long_run_mm2: f64) -> Vec<
             let sums = Sums::new(all, |seen| (against.of(seen), weight.of(seen)))?;
             let (width, share_before, share_after) = sums.best();
             Some(View {
+                subject: against.subject(),
                 variable,
                 counted,
                 unit,

@@ -37,6 +37,10 @@ pub(crate) struct Seen {
 pub(crate) const VALUES: usize = 13;
 /// The index of the time among them.
 pub(crate) const ELAPSED: usize = 9;
+/// Where the azimuth of the bar, its polar angle and the feed stand among the values.
+pub(crate) const AZIMUTH: usize = 10;
+pub(crate) const POLAR_ANGLE: usize = 11;
+pub(crate) const FEED: usize = 12;
 
 impl Seen {
     /// Position of a slide, mm.
@@ -92,9 +96,9 @@ pub(crate) fn seen(
                     values[6 + i] = since.filter(|s| *s < AFTER_REVERSAL_S).unwrap_or(f64::NAN);
                 }
                 values[ELAPSED] = at.motion.elapsed_s;
-                values[10] = u.y.atan2(u.x).to_degrees().rem_euclid(360.0);
-                values[11] = u.z.clamp(-1.0, 1.0).acos().to_degrees();
-                values[12] = (60.0 * section.feed_mm_s).round();
+                values[AZIMUTH] = u.y.atan2(u.x).to_degrees().rem_euclid(360.0);
+                values[POLAR_ANGLE] = u.z.clamp(-1.0, 1.0).acos().to_degrees();
+                values[FEED] = (60.0 * section.feed_mm_s).round();
                 let fold =
                     if several { number % MOST_FOLDS } else { block.arcs[k] % FOLDS_OF_ARCS };
                 all.push(Seen {

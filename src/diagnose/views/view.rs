@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::machine::Axis;
 use crate::written::um;
 
 /// One stretch of a view.
@@ -22,6 +23,31 @@ pub struct Bin {
     pub count: usize,
 }
 
+/// What a view is about: views about the same look alike.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Subject {
+    /// The position of a slide, whichever it is.
+    Position,
+    /// The velocity of a slide, whichever it is.
+    Velocity,
+    /// The time since this slide reversed.
+    SinceReversal(Axis),
+    /// The time since the program began.
+    Elapsed,
+    /// The azimuth of the bar.
+    Azimuth,
+    /// The polar angle of the bar.
+    PolarAngle,
+    /// The feed.
+    Feed,
+    /// The angle on a circle, whichever it is.
+    Circle,
+    /// Waves over the position of a slide, whichever it is.
+    PositionSpectrum,
+    /// Waves in time.
+    TimeSpectrum,
+}
+
 /// What the values of a view are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -40,6 +66,9 @@ pub enum Kind {
 /// one run), `share = 1 - sum (e - w m)² / sum e²`, so that noise scores nothing.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct View {
+    /// What it is about.
+    #[serde(skip)]
+    pub subject: Subject,
     /// What it is against, such as `position of X`.
     pub variable: String,
     /// How samples count, such as `along X`; empty where they count as they are read.
