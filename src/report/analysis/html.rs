@@ -67,7 +67,7 @@ pub fn render(analysis: &Analysis, identifications: &[Identification]) -> Result
         ),
     );
     // The gravest of what the model gets wrong is part of the verdict.
-    let wrong = analysis.diagnosis.iter().filter_map(|diagnosis| diagnosis.verdict.first());
+    let wrong = analysis.diagnosis.iter().map(|diagnosis| &diagnosis.verdict.structure);
     let verdict = verdict::of(analysis);
     let diagnosis = analysis.diagnosis.as_ref().map(diagnosis::html::section).transpose()?;
     let page = Page {

@@ -3,12 +3,14 @@
 //! Numbers are the results of the diagnosis themselves, which write their lengths in um; the sentences about them
 //! stand here. The schema is documented field by field in `docs/analysis-schema.md`.
 
-use serde::Serialize;
-use serde::ser::{SerializeStruct, Serializer};
+use serde::{Serialize, Serializer};
 
+use super::owner::OwnerFacts;
+use super::settings::WrongSettingFacts;
+use super::verdict::VerdictFacts;
 use crate::diagnose::{
     ArcShare, Feature, LeftOut, Moved, Number, OffTime, Picture, ProgramGain, Rival, RunGain,
-    Verdict, View, WrongSetting,
+    Verdict, View,
 };
 use crate::error::{Error, Kind, Result};
 use crate::model::Effect;
@@ -17,8 +19,8 @@ use crate::written::um;
 /// What the model gets wrong.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DiagnosisFacts {
-    /// The verdict, a sentence an entry, the gravest first.
-    pub verdict: Vec<String>,
+    /// The verdict, a list of sentences, the gravest first.
+    pub verdict: VerdictFacts,
     /// Whether nothing was found that these runs would show.
     pub nothing_found: bool,
     /// Root mean squares over all runs.
@@ -61,30 +63,6 @@ impl DiagnosisFacts {
     }
 }
 
-/// Something that the machine file or the test file states wrong.
-#[derive(Debug, Clone, PartialEq)]
-pub struct WrongSettingFacts {
-    /// Which setting.
-    pub setting: WrongSetting,
-    /// How it is in truth, in words.
-    pub told: String,
-}
-
-impl Serialize for WrongSettingFacts {
-    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
-        const UM: f64 = 1e3;
-        let effect = &self.setting.effect;
-        let mut fields = serializer.serialize_struct("WrongSetting", 6)?;
-        fields.serialize_field("cause", effect.cause.id)?;
-        fields.serialize_field("effect", &effect.to_string())?;
-        fields.serialize_field("on", &effect.seat.to_string())?;
-        fields.serialize_field("told", &self.told)?;
-        fields.serialize_field("before_um", &(self.setting.before_mm * UM))?;
-        fields.serialize_field("after_um", &(self.setting.after_mm * UM))?;
-        fields.end()
-    }
-}
-
 /// One effect that the model lacks.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FindingFacts {
@@ -97,7 +75,7 @@ pub struct FindingFacts {
     /// Whether a cause of the library explains it.
     pub named: bool,
     /// In which runs it is.
-    pub owner: String,
+    pub owner: OwnerFacts,
     /// As `simulate --hide` takes it, one for each amplitude.
     #[serde(serialize_with = "as_hidden")]
     pub effects: Vec<Effect>,

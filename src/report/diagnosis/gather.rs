@@ -2,8 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use super::facts::{DiagnosisFacts, FindingFacts, WrongSettingFacts};
-use super::{verdict, views, words};
+use super::facts::{DiagnosisFacts, FindingFacts};
+use super::owner::OwnerFacts;
+use super::settings::WrongSettingFacts;
+use super::verdict::VerdictFacts;
+use super::{views, words};
 use crate::diagnose::{Diagnosis, Feature, Finding, Owner, Picture, Rival, Told};
 use crate::identify::Identification;
 use crate::machine::Machine;
@@ -33,12 +36,13 @@ impl DiagnosisFacts {
             .moved
             .iter()
             .filter(|moved| (moved.after - moved.before).abs() > moved.sigma_after);
-        let wrong_settings = diagnosis.wrong_settings.iter().map(|wrong| WrongSettingFacts {
-            setting: wrong.clone(),
-            told: words::setting(wrong, machine),
-        });
-        let mut facts = Self {
-            verdict: Vec::new(),
+        let wrong_settings: Vec<WrongSettingFacts> = diagnosis
+            .wrong_settings
+            .iter()
+            .map(|wrong| WrongSettingFacts::new(wrong, machine))
+            .collect();
+        Self {
+            verdict: VerdictFacts::new(diagnosis, &wrong_settings),
             nothing_found: diagnosis.nothing_found(),
             of_all: diagnosis.verdict,
             findings: findings.collect(),
@@ -48,12 +52,10 @@ impl DiagnosisFacts {
             views: views::told(&diagnosis.views),
             arcs: diagnosis.arcs.clone(),
             unseen: unseen.collect(),
-            wrong_settings: wrong_settings.collect(),
+            wrong_settings,
             off_times: diagnosis.off_times.clone(),
             left_out: diagnosis.left_out.clone(),
-        };
-        facts.verdict = verdict::of(&facts);
-        facts
+        }
     }
 }
 
@@ -72,7 +74,7 @@ fn finding(
         cause: cause.map(|cause| cause.id),
         on: on.map_or_else(String::new, |on| on.to_string()),
         named: of.named(),
-        owner: owner(of.owner(), identifications),
+        owner: OwnerFacts::new(of.owner(), identifications),
         effects: of.effects.clone(),
         told: match &feature {
             Some(feature) => described(of, feature),
@@ -115,17 +117,6 @@ fn remarks(of: &Finding, machine: &Machine, identifications: &[Identification]) 
 /// What a finding acts on.
 fn seat(of: &Finding) -> Option<Seat> {
     of.element.shape().map(|shape| shape.seat).or_else(|| of.element.curve().map(|c| c.seat))
-}
-
-fn owner(of: Owner, identifications: &[Identification]) -> String {
-    match of {
-        Owner::All => "all runs".into(),
-        Owner::EachRun => "every run, each with its own".into(),
-        Owner::One { repeat, run } => identifications
-            .get(repeat)
-            .and_then(|identification| identification.runs.get(run))
-            .map_or_else(|| "one run".into(), |run| format!("{} only", run.name)),
-    }
 }
 
 /// What else a vibration may be.

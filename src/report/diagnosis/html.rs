@@ -40,7 +40,7 @@ struct Told<'a> {
 /// The section, as HTML without a page around it.
 pub(in crate::report) fn section(facts: &DiagnosisFacts) -> Result<String> {
     let section = Section {
-        verdict: facts.verdict.iter().map(|line| fine(line)).collect(),
+        verdict: facts.verdict.sentences().map(fine).collect(),
         findings: facts.findings.iter().map(told).collect(),
         gains: figures::gains(facts).filter(|_| !facts.findings.is_empty()),
         runs: runs(facts),

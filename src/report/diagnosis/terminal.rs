@@ -1,9 +1,10 @@
 //! What the model gets wrong, as plain text of at most [`WIDTH`](crate::report::text::layout::WIDTH) columns.
 
 use super::facts::{DiagnosisFacts, FindingFacts};
+use super::words::shortened;
 use crate::diagnose::{Rival, Told};
 use crate::report::text::layout::{paragraph, table};
-use crate::report::text::numbers::{decimals, fixed, percent};
+use crate::report::text::numbers::{fixed, percent};
 use crate::report::text::units::{engineering, row_decimals};
 
 /// Tables are in um.
@@ -12,7 +13,7 @@ const UM: f64 = 1e3;
 /// Everything: verdict, findings, gain, coefficients that moved, what cannot be seen.
 pub fn diagnosis_text(facts: &DiagnosisFacts) -> String {
     let mut text = String::new();
-    for line in &facts.verdict {
+    for line in facts.verdict.sentences() {
         paragraph(&mut text, "", line);
     }
     if !facts.findings.is_empty() {
@@ -44,10 +45,7 @@ pub fn diagnosis_text(facts: &DiagnosisFacts) -> String {
 /// Verdict and findings, for the end of a summary.
 pub(in crate::report) fn in_short(facts: &DiagnosisFacts) -> String {
     let mut text = String::new();
-    let further = if facts.findings.is_empty() { 0 } else { 2 };
-    for line in
-        facts.verdict.iter().take(1 + facts.wrong_settings.len() + facts.off_times.len() + further)
-    {
+    for line in facts.verdict.in_short() {
         paragraph(&mut text, "  ", line);
     }
     for (k, finding) in facts.findings.iter().enumerate() {
@@ -83,17 +81,16 @@ fn full(text: &mut String, number: usize, finding: &FindingFacts) {
     for sentence in others(finding) {
         paragraph(text, "     ", &sentence);
     }
+    if !finding.owner.is_all() {
+        paragraph(text, "     in           ", &finding.owner.to_string());
+    }
     let parts = [
-        ("in           ", finding.owner.as_str()),
-        ("comes from   ", finding.source),
-        ("what to do   ", finding.remedy),
-        ("taken for    ", finding.taken_for),
+        ("     comes from   ", finding.source),
+        ("     what to do   ", finding.remedy),
+        ("     taken for    ", finding.taken_for),
     ];
-    for (lead, words) in parts {
-        let usual = words == "all runs";
-        if !usual && !words.is_empty() {
-            paragraph(text, &format!("     {lead}"), words);
-        }
+    for (lead, words) in parts.into_iter().filter(|(_, words)| !words.is_empty()) {
+        paragraph(text, lead, words);
     }
     if !finding.named {
         paragraph(
@@ -103,24 +100,8 @@ fn full(text: &mut String, number: usize, finding: &FindingFacts) {
         );
     }
     for effect in &finding.effects {
-        paragraph(text, "     --hide       ", &shortened(&effect.to_string()));
+        paragraph(text, "     --hide       ", &shortened(effect));
     }
-}
-
-/// An effect as it is written, with five digits of each number.
-fn shortened(effect: &str) -> String {
-    let short = |part: &str| -> String {
-        let Some((key, value)) = part.split_once('=') else { return part.to_owned() };
-        let Ok(number) = value.parse::<f64>() else { return part.to_owned() };
-        let text = fixed(number, decimals(number, 5));
-        let text = if text.contains('.') {
-            text.trim_end_matches('0').trim_end_matches('.')
-        } else {
-            &text
-        };
-        format!("{key}={text}")
-    };
-    effect.split(',').map(short).collect::<Vec<_>>().join(",")
 }
 
 /// What else it could be, in sentences.

@@ -1,68 +1,110 @@
 //! Is anything wrong? The verdict, a sentence an entry.
 
-use super::facts::{DiagnosisFacts, WrongSettingFacts};
-use crate::diagnose::{OffCause, OffTime, Structure};
+use serde::{Serialize, Serializer};
+
+use super::settings::WrongSettingFacts;
+use crate::diagnose::{Diagnosis, Finding, OffCause, OffTime, Structure, Verdict};
 use crate::report::text::numbers::{fixed, many, percent};
 
 /// Structure of less than so many of its standard deviations may be chance.
 const BEYOND_CHANCE: f64 = 3.0;
 
-/// Sentences are in um.
-const UM: f64 = 1e3;
-
-/// The verdict, the gravest first.
-pub(super) fn of(facts: &DiagnosisFacts) -> Vec<String> {
-    let mut told = vec![first(facts)];
-    told.extend(facts.wrong_settings.iter().map(setting));
-    told.extend(facts.off_times.iter().map(off_time));
-    if !facts.findings.is_empty() {
-        told.push(found(facts));
-        if let (Some(share), Some([low, high])) =
-            (facts.of_all.explained, facts.of_all.explained_interval)
-        {
-            told.push(format!(
-                "Explained on {}: {} % of what repeats, 95 % interval {} to {} %.",
-                if facts.runs.len() > 1 { "runs that took no part" } else { "the run itself" },
-                percent(share),
-                percent(low),
-                percent(high)
-            ));
-        }
-        told.push(format!(
-            "Compensated or repaired, the residual of {} um rms would be {} um.",
-            fixed(facts.of_all.before_mm * UM, 3),
-            fixed(facts.of_all.after_mm * UM, 3)
-        ));
-    }
-    told.push(format!(
-        "Residual noise {} um, of neighbouring readings {} um; effects below {} um rms would not have been named.",
-        fixed(facts.of_all.after_mm * UM, 3),
-        fixed(facts.of_all.neighbours_mm * UM, 3),
-        fixed(facts.of_all.smallest_mm * UM, 3)
-    ));
-    told
+/// The verdict, sentence by sentence, in the order in which they are read: the gravest first.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct VerdictFacts {
+    /// How much of the residual repeats, or is left.
+    pub structure: String,
+    /// What the machine file or the test file states wrong, a sentence a setting.
+    pub wrong_settings: Vec<String>,
+    /// Runs whose feed or clock is not as stated, a sentence a run.
+    pub off_times: Vec<String>,
+    /// How many effects were found; `None` where there are none.
+    pub found: Option<String>,
+    /// What share they explain; `None` where nothing was found or the share is not known.
+    pub explained: Option<String>,
+    /// What the residual would be without them; `None` where there are none.
+    pub repaired: Option<String>,
+    /// What is left, and what would not have been seen.
+    pub noise: String,
 }
 
-fn first(facts: &DiagnosisFacts) -> String {
-    match (&facts.of_all.structure_before, facts.findings.is_empty()) {
-        (None, true) => format!(
-            "Nothing found that the model does not explain; of the {} um rms that it leaves, no repeat tells what is noise.",
-            fixed(facts.of_all.before_mm * UM, 3)
-        ),
+impl VerdictFacts {
+    /// The verdict on a diagnosis with the settings that are stated wrong, in words.
+    pub(super) fn new(diagnosis: &Diagnosis, wrong_settings: &[WrongSettingFacts]) -> Self {
+        let all = &diagnosis.verdict;
+        let something = !diagnosis.findings.is_empty();
+        Self {
+            structure: structure(all, something),
+            wrong_settings: wrong_settings.iter().map(setting).collect(),
+            off_times: diagnosis.off_times.iter().map(off_time).collect(),
+            found: something.then(|| found(&diagnosis.findings)),
+            explained: explained(all, diagnosis.runs.len()).filter(|_| something),
+            repaired: something.then(|| {
+                format!(
+                    "Compensated or repaired, the residual of {} um rms would be {} um.",
+                    um(all.before_mm),
+                    um(all.after_mm)
+                )
+            }),
+            noise: format!(
+                "Residual noise {} um, of neighbouring readings {} um; effects below {} um rms would not have been named.",
+                um(all.after_mm),
+                um(all.neighbours_mm),
+                um(all.smallest_mm)
+            ),
+        }
+    }
+
+    /// All sentences.
+    pub fn sentences(&self) -> impl Iterator<Item = &str> {
+        let gain = [&self.explained, &self.repaired].into_iter().flatten();
+        self.what_is_wrong().chain(gain.map(String::as_str)).chain([self.noise.as_str()])
+    }
+
+    /// The sentences of a summary: what is wrong, and what share of it is explained.
+    pub(super) fn in_short(&self) -> impl Iterator<Item = &str> {
+        let gain = self.explained.as_deref().or(self.repaired.as_deref());
+        self.what_is_wrong().chain(gain)
+    }
+
+    fn what_is_wrong(&self) -> impl Iterator<Item = &str> {
+        let stated = self.wrong_settings.iter().chain(&self.off_times).map(String::as_str);
+        [self.structure.as_str()].into_iter().chain(stated).chain(self.found.as_deref())
+    }
+}
+
+/// A list of its sentences.
+impl Serialize for VerdictFacts {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.sentences())
+    }
+}
+
+/// A length in um with three decimals.
+fn um(mm: f64) -> String {
+    fixed(mm * 1e3, 3)
+}
+
+fn structure(all: &Verdict, something_found: bool) -> String {
+    match (&all.structure_before, something_found) {
         (None, false) => format!(
-            "The model leaves {} um rms, the extended model {} um; no repeat tells what of it is noise.",
-            fixed(facts.of_all.before_mm * UM, 3),
-            fixed(facts.of_all.after_mm * UM, 3)
+            "Nothing found that the model does not explain; of the {} um rms that it leaves, no repeat tells what is noise.",
+            um(all.before_mm)
         ),
-        (Some(before), true) if significant(before) => format!(
+        (None, true) => format!(
+            "The model leaves {} um rms, the extended model {} um; no repeat tells what of it is noise.",
+            um(all.before_mm),
+            um(all.after_mm)
+        ),
+        (Some(before), false) if significant(before) => format!(
             "{} um rms of structure repeats that the model does not explain, too little to name its cause.",
             rms(before)
         ),
-        (Some(before), true) => {
+        (Some(before), false) => {
             format!("The model explains all but {} um of what repeats.", rms(before))
         }
-        (Some(before), false) => {
-            let after = facts.of_all.structure_after.unwrap_or(*before);
+        (Some(before), true) => {
+            let after = all.structure_after.unwrap_or(*before);
             format!(
                 "{} um rms of structure repeats that the model does not explain; the extended model leaves {} um.",
                 rms(before),
@@ -72,12 +114,23 @@ fn first(facts: &DiagnosisFacts) -> String {
     }
 }
 
+fn explained(all: &Verdict, runs: usize) -> Option<String> {
+    let [low, high] = all.explained_interval?;
+    Some(format!(
+        "Explained on {}: {} % of what repeats, 95 % interval {} to {} %.",
+        if runs > 1 { "runs that took no part" } else { "the run itself" },
+        percent(all.explained?),
+        percent(low),
+        percent(high)
+    ))
+}
+
 fn setting(of: &WrongSettingFacts) -> String {
     format!(
         "{}. So the residual is {} um rms instead of {} um; all that follows is with it put right.",
         of.told,
-        fixed(of.setting.after_mm * UM, 3),
-        fixed(of.setting.before_mm * UM, 3)
+        um(of.setting.after_mm),
+        um(of.setting.before_mm)
     )
 }
 
@@ -108,14 +161,14 @@ fn significant(of: &Structure) -> bool {
 fn rms(of: &Structure) -> String {
     if of.variance_mm2 < 2.0 * of.sigma_mm2 {
         let least_mm = (2.0 * of.sigma_mm2).max(0.0).sqrt();
-        return format!("at most {}", fixed(least_mm * UM, 3));
+        return format!("at most {}", um(least_mm));
     }
-    fixed(of.rms_mm() * UM, 3)
+    um(of.rms_mm())
 }
 
-fn found(facts: &DiagnosisFacts) -> String {
-    let named = facts.findings.iter().filter(|finding| finding.named).count();
-    let unexplained = facts.findings.len() - named;
+fn found(findings: &[Finding]) -> String {
+    let named = findings.iter().filter(|finding| finding.named()).count();
+    let unexplained = findings.len() - named;
     let mut parts = Vec::new();
     if named > 0 {
         parts.push(format!("{} named", many(named, "cause")));

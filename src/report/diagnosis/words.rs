@@ -1,8 +1,8 @@
 //! Effects in words.
 
-use crate::diagnose::{Number, WrongSetting};
-use crate::machine::{Axis, Machine, Pivot};
-use crate::model::{AMPLITUDE, Ball, Component, Effect, Power, Seat};
+use crate::diagnose::Number;
+use crate::machine::{Axis, Machine};
+use crate::model::{AMPLITUDE, Ball, Component, Effect, Kind, Power, Seat};
 use crate::report::text::numbers::{decimals, fixed};
 
 /// Common multiples of sample rates are looked for up to so many times the fastest.
@@ -13,26 +13,32 @@ const DRIFT_MIN: f64 = 15.0;
 /// A period is a part of a pitch within this share of it, however well it is known.
 const NEAR_A_PITCH: f64 = 2e-3;
 
-/// What a seat is, behind its name: `EXX (positioning of X)`; empty for the whole.
+/// A seat with what it is: `EXX (positioning of X)`; empty for the whole.
 pub(super) fn seat(seat: Seat) -> String {
-    let what = match seat {
-        Seat::Function(slide, component) => function(slide, component),
-        Seat::Slide(axis) => return axis.to_string(),
+    match (what(seat), seat) {
+        (Some(what), _) => format!("{seat} ({what})"),
+        (None, Seat::Bar) => "the bar".into(),
+        (None, _) => seat.to_string(),
+    }
+}
+
+/// What a seat is, where its name does not say it.
+pub(super) fn what(seat: Seat) -> Option<String> {
+    match seat {
+        Seat::Function(slide, component) => Some(function(slide, component)),
         Seat::Ball(set_up) => {
             let ball = match set_up.ball {
                 Ball::Tool => "tool ball",
                 Ball::Workpiece => "workpiece ball",
             };
-            format!("{ball} in {}", set_up.axis)
+            Some(format!("{ball} in {}", set_up.axis))
         }
         Seat::Coefficient(of) if of.power == Power::P1 && along(of.slide, of.component) => {
-            format!("scale of {}", of.slide)
+            Some(format!("scale of {}", of.slide))
         }
-        Seat::Coefficient(of) => function(of.slide, of.component),
-        Seat::Bar => return "the bar".into(),
-        Seat::Whole => return String::new(),
-    };
-    format!("{seat} ({what})")
+        Seat::Coefficient(of) => Some(function(of.slide, of.component)),
+        Seat::Slide(_) | Seat::Bar | Seat::Whole => None,
+    }
 }
 
 fn along(slide: Axis, component: Component) -> bool {
@@ -50,37 +56,21 @@ fn function(slide: Axis, component: Component) -> String {
     }
 }
 
-/// What a file states wrong, and what to write instead.
-pub(super) fn setting(wrong: &WrongSetting, machine: &Machine) -> String {
-    match wrong.effect.seat {
-        Seat::Slide(slide) => {
-            let (is, instead) = match machine.slide(slide).pivot {
-                Pivot::Carriage => ("carriage", "base"),
-                Pivot::Base => ("base", "carriage"),
-            };
-            format!(
-                "The pivot of {slide} is not on the {is}, as the machine file has it: say `pivot = \"{instead}\"`"
-            )
+/// An effect as `simulate --hide` takes it, with five digits of each number.
+pub(super) fn shortened(effect: &Effect) -> String {
+    let short = |number: f64| {
+        let text = fixed(number, decimals(number, 5));
+        if text.contains('.') {
+            text.trim_end_matches('0').trim_end_matches('.').to_owned()
+        } else {
+            text
         }
-        place => {
-            let sigma_mm = wrong.sigma_mm.unwrap_or(0.0);
-            let places = decimals(sigma_mm, 2);
-            let mounting = match wrong.effect.get("mounting") {
-                0.0 => "every mounting".to_owned(),
-                number => format!("mounting no. {number}"),
-            };
-            let key = match place {
-                Seat::Ball(of) if of.ball == Ball::Tool => "tool_ball_mm",
-                _ => "coincidence_mm",
-            };
-            format!(
-                "The {} lies {} +- {} mm from where the test file has it in {mounting}: read `{key}` from the control again",
-                seat(place).split_once('(').map_or("ball", |(_, what)| what.trim_end_matches(')')),
-                fixed(wrong.effect.get("offset_mm"), places),
-                fixed(sigma_mm, places)
-            )
-        }
-    }
+    };
+    let on = Some(format!("on={}", effect.seat)).filter(|_| effect.seat != Seat::Whole);
+    let numbers =
+        effect.written().into_iter().map(|(key, value)| format!("{key}={}", short(value)));
+    let parts: Vec<String> = on.into_iter().chain(numbers).collect();
+    format!("{}:{}", effect.cause.id, parts.join(","))
 }
 
 /// Units at the ends of names, with their signs.
@@ -130,9 +120,9 @@ fn number(number: &Number) -> String {
 
 /// What follows from a cause's numbers, in sentences.
 pub(super) fn remarks(effect: &Effect, numbers: &[Number], machine: &Machine) -> Vec<String> {
-    match (effect.cause.id, effect.seat) {
-        ("cyclic", Seat::Function(axis, _)) => vec![screw(effect, numbers, machine, axis)],
-        ("servo", Seat::Slide(axis)) => {
+    match (effect.cause.kind, effect.seat) {
+        (Kind::Cyclic, Seat::Function(axis, _)) => vec![screw(effect, numbers, machine, axis)],
+        (Kind::Servo, Seat::Slide(axis)) => {
             let delay_ms = 1e3 * effect.get("delay_ms");
             let how = if delay_ms < 0.0 { "less" } else { "more" };
             let size_ms = delay_ms.abs();
@@ -141,7 +131,7 @@ pub(super) fn remarks(effect: &Effect, numbers: &[Number], machine: &Machine) ->
                 fixed(size_ms, decimals(size_ms, 3).min(3))
             )]
         }
-        ("drift", _) => {
+        (Kind::Drift, _) => {
             let minutes = effect.get("time_constant_s") / 60.0;
             let (unit, si) = effect.seat.amplitude_unit();
             let first = -effect.get(AMPLITUDE) / si * (-DRIFT_MIN / minutes).exp_m1();
