@@ -11,6 +11,7 @@
 //!
 //! | room | holds |
 //! | --- | --- |
+//! | [`solve`] | factorisation, rank, covariance: the linear algebra |
 //! | [`machine`] | the machine file, topology, exact chain, inverse kinematics |
 //! | [`model`] | coefficient names, error functions, terms, the projected Jacobian |
 //! | [`plan`] | arcs, strategies, mountings, the test file, the path |
@@ -19,7 +20,6 @@
 //! | [`log`] | readers of ball-bar logs |
 //! | [`simulate`] | a virtual machine and instrument |
 //! | [`align`] | engagement, time map, samples with poses |
-//! | [`solve`] | factorisation, rank, covariance: the linear algebra |
 //! | [`identify`] | the fit, what is observable, repeats |
 //! | [`design`] | what a test will see before it is run, and which test sees most |
 //! | [`residual`] | what a fit leaves: samples, noise, what an effect explains beside others |

@@ -22,4 +22,4 @@ pub use operator::Operator;
 pub use path::{Path, Step};
 pub use strategy::Strategy;
 use test_file::FreeArc;
-pub use test_file::{BallBar, Estimation, Loss, NamedMounting, PathPlan, Run, Test};
+pub use test_file::{BallBar, Estimation, NamedMounting, PathPlan, Run, Test};

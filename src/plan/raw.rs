@@ -10,9 +10,10 @@ use super::log_format::{Format, LengthUnit, ReadingColumn, ReadingKind, TimeColu
 use super::operator::RawOperator;
 use super::raw_arc::RawArc;
 use super::raw_mounting::{RawMounting, check_length, mounting_index};
-use super::{BallBar, Estimation, FreeArc, Loss, NamedMounting, PathPlan, Run, Strategy};
+use super::{BallBar, Estimation, FreeArc, NamedMounting, PathPlan, Run, Strategy};
 use crate::error::{Error, Result};
 use crate::model;
+use crate::solve::Loss;
 use crate::toml_text::Text;
 
 #[derive(Deserialize)]

@@ -3,7 +3,6 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
 use sha2::{Digest, Sha256};
 
 use super::log_format::{Format, ReadingKind};
@@ -13,6 +12,7 @@ use super::{Arc, DesignRequest, Operator, Strategy};
 use crate::error::{Error, Place, Result};
 use crate::machine::{Machine, Mounting};
 use crate::model::{Empirical, ModelFile};
+use crate::solve::Loss;
 use crate::toml_text::{self, Text};
 
 /// The instrument.
@@ -124,19 +124,6 @@ impl Estimation {
         self.terms.clone_from(&model.terms);
         self.curves.clone_from(&model.curves);
     }
-}
-
-/// How far-off samples are weighted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Loss {
-    /// All alike.
-    #[default]
-    Off,
-    /// Huber's.
-    Huber,
-    /// Tukey's biweight.
-    Tukey,
 }
 
 /// One measured run.

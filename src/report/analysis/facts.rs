@@ -8,6 +8,7 @@ use super::machine_errors::MachineErrors;
 use super::means::MeanResult;
 use crate::error::{Error, Kind, Result};
 use crate::report::diagnosis::facts::DiagnosisFacts;
+use crate::solve::Loss;
 
 /// The results of a test.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -27,7 +28,7 @@ pub struct Analysis {
     /// The terms that were asked for: names of sets, of coefficients and of set-up errors.
     pub terms: Vec<String>,
     /// How far-off samples were weighted: `off`, `huber` or `tukey`.
-    pub loss: &'static str,
+    pub loss: Loss,
     /// Whether confounded terms were allowed and the shortest solution taken.
     pub minimum_norm: bool,
     /// One entry a repeat: runs that were identified together.

@@ -11,7 +11,7 @@ use crate::align::{Mark, MarkKind, TimeMap};
 use crate::identify::{self, Estimate, Identification, Record, RunInput};
 use crate::machine::{Axis, Machine, Pivot};
 use crate::model::Parameter;
-use crate::plan::{BallBar, Loss, Run, Test};
+use crate::plan::{BallBar, Run, Test};
 use crate::report::text::numbers::finite;
 use crate::solve::Matrix;
 
@@ -42,11 +42,7 @@ impl Analysis {
             ball_bar: ball_bar_facts(test.ball_bar()),
             strategy: test.plan().ok().map(|plan| plan.strategy_name().to_owned()),
             terms: test.estimation().terms.clone(),
-            loss: match test.estimation().loss {
-                Loss::Off => "off",
-                Loss::Huber => "huber",
-                Loss::Tukey => "tukey",
-            },
+            loss: test.estimation().loss,
             minimum_norm: test.estimation().minimum_norm,
             machine_errors: MachineErrors::new(machine, &over_repeats),
             repeats,
