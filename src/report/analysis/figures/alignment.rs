@@ -3,7 +3,7 @@
 use super::figure::Figure;
 use crate::align::{Mark, MarkKind};
 use crate::identify::{Identification, RunInput};
-use crate::report::analysis::facts::{Analysis, RunResult};
+use crate::report::analysis::facts::{Analysis, BallBarFacts, RunResult};
 use crate::report::draw::chart::{Axis, Chart};
 use crate::report::draw::svg::{Anchor, Drawing, text_width, thinned};
 use crate::report::draw::ticks::ticks;
@@ -123,93 +123,125 @@ fn ends(run: &RunInput, analysis: &Analysis) -> Vec<Figure> {
     [engagement, release]
         .into_iter()
         .flatten()
-        .map(|mark| Figure { svg: end(run, mark, analysis), caption: String::new(), tall: false })
+        .map(|mark| Figure {
+            svg: End::new(run, mark).drawn(&analysis.ball_bar),
+            caption: String::new(),
+            tall: false,
+        })
         .collect()
 }
 
-fn commanded_mm(run: &RunInput, program_s: f64) -> f64 {
-    let position_mm = run.alignment.trajectory.at(program_s).position_mm;
-    (position_mm - run.alignment.coincidence_mm()).norm() - run.nominal_mm
+/// One end of the engagement: where the bar begins to read, or ceases to.
+struct End<'a> {
+    run: &'a RunInput,
+    mark: &'a Mark,
+    /// The leg of the time map that the mark lies on.
+    leg: usize,
+    /// 1 where what is inside of the engagement comes after the mark, -1 where it comes before.
+    inwards: f64,
 }
 
-fn end(run: &RunInput, mark: &Mark, analysis: &Analysis) -> String {
-    let alignment = &run.alignment;
-    let map = &alignment.time_map;
-    let bar = &analysis.ball_bar;
-    let leg = map.leg_of(mark.program_s);
-    let inwards = if mark.kind == MarkKind::Engagement { 1.0 } else { -1.0 };
-    let commanded = |log_s: f64| commanded_mm(run, map.on_leg_s(log_s, leg));
-    // From the mark to where the ramp meets the sphere; a slow feed-in takes longer than a fast one.
-    let mut ramp_s = 0.0;
-    while ramp_s < 30.0 && commanded(mark.log_s + inwards * ramp_s).abs() > 1e-2 * bar.range_mm {
-        ramp_s += 0.01;
+impl<'a> End<'a> {
+    fn new(run: &'a RunInput, mark: &'a Mark) -> Self {
+        let leg = run.alignment.time_map.leg_of(mark.program_s);
+        let inwards = if mark.kind == MarkKind::Engagement { 1.0 } else { -1.0 };
+        Self { run, mark, leg, inwards }
     }
-    let period_s = alignment.sample_period_s;
-    let reach_s = (3.0 * ramp_s).max(8.0 * period_s).max(0.2);
-    let (from, to) = if inwards > 0.0 {
-        (mark.log_s - 0.6 * reach_s, mark.log_s + reach_s)
-    } else {
-        (mark.log_s - reach_s, mark.log_s + 0.6 * reach_s)
-    };
-    let near: Vec<(f64, f64)> = alignment
-        .samples
-        .iter()
-        .filter(|sample| (from..=to).contains(&sample.log_s))
-        .map(|sample| (sample.log_s - mark.log_s, sample.deviation_mm * 1e3))
-        .collect();
-    // The reading settles at the machine's error there, not at zero; the ramp is shown through it.
-    let settled: Vec<f64> = near
-        .iter()
-        .filter(|(time_s, _)| inwards * time_s > ramp_s + period_s)
-        .map(|(_, reading_um)| *reading_um)
-        .collect();
-    let offset_um = settled.iter().sum::<f64>() / settled.len().max(1) as f64;
-    let limit_um = 1.2 * bar.range_mm * 1e3;
-    let curve: Vec<(f64, f64)> = (0..=400)
-        .map(|k| from + (to - from) * f64::from(k) / 400.0)
-        .map(|log_s| (log_s - mark.log_s, commanded(log_s) * 1e3 + offset_um))
-        .filter(|(_, value_um)| value_um.abs() <= limit_um)
-        .collect();
-    // The sphere is at zero: words stand on the other side of it than the ramp.
-    let outwards = curve.iter().map(|(_, value)| *value).sum::<f64>() >= 0.0;
-    let (low, high) =
-        if outwards { (-0.15 * limit_um, limit_um) } else { (-limit_um, 0.15 * limit_um) };
-    let title = match mark.kind {
-        MarkKind::Engagement => "engagement",
-        _ => "release",
-    };
-    let mut chart = Chart::new(
-        480.0,
-        180.0,
-        Axis::new(
-            &format!("time from the mark ({} s on the log), s", fixed(mark.log_s, 4)),
-            (from - mark.log_s, to - mark.log_s),
-        ),
-        Axis::new("reading, µm", (low, high)),
-    );
-    chart.upright(0.0, "mark-line");
-    chart.line(&curve, "commanded");
-    chart.dots(&thinned(&near, MOST_DOTS), "reading");
-    let told = format!("{}: {title}", run.name);
-    // On the side where the bar reads nothing there is room for words.
-    let (x, anchor) = if inwards > 0.0 {
-        (to - mark.log_s, Anchor::End)
-    } else {
-        (from - mark.log_s, Anchor::Start)
-    };
-    let lines = [
-        title.to_owned(),
-        match mark.samples {
-            0 => "edge of the range only".to_owned(),
-            1 => "1 sample on the ramp".to_owned(),
-            n => format!("{n} samples on the ramp"),
-        },
-        format!("± {} ms", fixed(mark.sigma_s * 1e3, 2)),
-    ];
-    let corner = if outwards { (high, 16.0) } else { (low, -38.0) };
-    for (k, line) in lines.iter().enumerate() {
-        let by = (if inwards > 0.0 { -8.0 } else { 8.0 }, corner.1 + 14.0 * k as f64);
-        chart.note((x, corner.0), by, anchor, line);
+
+    fn title(&self) -> &'static str {
+        if self.mark.kind == MarkKind::Engagement { "engagement" } else { "release" }
     }
-    chart.finish(&told)
+
+    /// Commanded deviation from the nominal length at a moment of the log, mm.
+    fn commanded_mm(&self, log_s: f64) -> f64 {
+        let alignment = &self.run.alignment;
+        let program_s = alignment.time_map.on_leg_s(log_s, self.leg);
+        let position_mm = alignment.trajectory.at(program_s).position_mm;
+        (position_mm - alignment.coincidence_mm()).norm() - self.run.nominal_mm
+    }
+
+    /// From the mark to where the ramp meets the sphere, s; a slow feed-in takes longer than a fast one.
+    fn ramp_s(&self, range_mm: f64) -> f64 {
+        let mut ramp_s = 0.0;
+        while ramp_s < 30.0
+            && self.commanded_mm(self.mark.log_s + self.inwards * ramp_s).abs() > 1e-2 * range_mm
+        {
+            ramp_s += 0.01;
+        }
+        ramp_s
+    }
+
+    /// The stretch of the log that is shown, s.
+    fn stretch_s(&self, ramp_s: f64) -> (f64, f64) {
+        let mark_s = self.mark.log_s;
+        let reach_s = (3.0 * ramp_s).max(8.0 * self.run.alignment.sample_period_s).max(0.2);
+        if self.inwards > 0.0 {
+            (mark_s - 0.6 * reach_s, mark_s + reach_s)
+        } else {
+            (mark_s - reach_s, mark_s + 0.6 * reach_s)
+        }
+    }
+
+    /// What stands in the picture.
+    fn words(&self) -> [String; 3] {
+        [
+            self.title().to_owned(),
+            match self.mark.samples {
+                0 => "edge of the range only".to_owned(),
+                1 => "1 sample on the ramp".to_owned(),
+                n => format!("{n} samples on the ramp"),
+            },
+            format!("± {} ms", fixed(self.mark.sigma_s * 1e3, 2)),
+        ]
+    }
+
+    fn drawn(&self, bar: &BallBarFacts) -> String {
+        let (alignment, mark_s) = (&self.run.alignment, self.mark.log_s);
+        let ramp_s = self.ramp_s(bar.range_mm);
+        let (from, to) = self.stretch_s(ramp_s);
+        let near: Vec<(f64, f64)> = alignment
+            .samples
+            .iter()
+            .filter(|sample| (from..=to).contains(&sample.log_s))
+            .map(|sample| (sample.log_s - mark_s, sample.deviation_mm * 1e3))
+            .collect();
+        // The reading settles at the machine's error there, not at zero; the ramp is shown through it.
+        let settled: Vec<f64> = near
+            .iter()
+            .filter(|(time_s, _)| self.inwards * time_s > ramp_s + alignment.sample_period_s)
+            .map(|(_, reading_um)| *reading_um)
+            .collect();
+        let offset_um = settled.iter().sum::<f64>() / settled.len().max(1) as f64;
+        let limit_um = 1.2 * bar.range_mm * 1e3;
+        let curve: Vec<(f64, f64)> = (0..=400)
+            .map(|k| from + (to - from) * f64::from(k) / 400.0)
+            .map(|log_s| (log_s - mark_s, self.commanded_mm(log_s) * 1e3 + offset_um))
+            .filter(|(_, value_um)| value_um.abs() <= limit_um)
+            .collect();
+        // The sphere is at zero: words stand on the other side of it than the ramp.
+        let outwards = curve.iter().map(|(_, value)| *value).sum::<f64>() >= 0.0;
+        let (low, high) =
+            if outwards { (-0.15 * limit_um, limit_um) } else { (-limit_um, 0.15 * limit_um) };
+        let time = format!("time from the mark ({} s on the log), s", fixed(mark_s, 4));
+        let mut chart = Chart::new(
+            480.0,
+            180.0,
+            Axis::new(&time, (from - mark_s, to - mark_s)),
+            Axis::new("reading, µm", (low, high)),
+        );
+        chart.upright(0.0, "mark-line");
+        chart.line(&curve, "commanded");
+        chart.dots(&thinned(&near, MOST_DOTS), "reading");
+        // On the side where the bar reads nothing there is room for words.
+        let (x, aside, anchor) = if self.inwards > 0.0 {
+            (to - mark_s, -8.0, Anchor::End)
+        } else {
+            (from - mark_s, 8.0, Anchor::Start)
+        };
+        let (y, first) = if outwards { (high, 16.0) } else { (low, -38.0) };
+        for (k, line) in self.words().iter().enumerate() {
+            chart.note((x, y), (aside, first + 14.0 * k as f64), anchor, line);
+        }
+        chart.finish(&format!("{}: {}", self.run.name, self.title()))
+    }
 }
