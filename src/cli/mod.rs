@@ -112,7 +112,7 @@ pub fn main() -> ExitCode {
         Command::Design(arguments) => arguments.run(common, &talk),
         Command::Blind(arguments) => arguments.run(common, &talk),
         Command::Demo(arguments) => arguments.run(common, &talk),
-        Command::Machines(arguments) => arguments.run(common, &talk),
+        Command::Machines(arguments) => arguments.run(common),
         Command::Paper(arguments) => arguments.run(common, &talk),
         Command::Completions(arguments) => arguments.run(),
         Command::Man(arguments) => arguments.run(common, &talk),
@@ -120,7 +120,7 @@ pub fn main() -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            talk.error(&error);
+            Talk::error(&error);
             ExitCode::from(error.kind.exit_code())
         }
     }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::Common;
-use super::output::{self, Files, Talk};
+use super::output::{Files, Talk};
 use crate::design::Outlook;
 use crate::error::Result;
 use crate::model::ModelFile;
@@ -69,15 +69,6 @@ impl Arguments {
         let mut files = Files::default();
         files.add(common.output.join("plan.html"), report::plan_page(&plan, &planned)?);
         files.add(common.output.join("plan.json"), json.clone());
-        let files = files.write()?;
-        if common.json {
-            output::print(&json)?;
-        } else {
-            output::print_summary(&report::plan_summary(&plan, self.all))?;
-        }
-        for file in files {
-            talk.say(&format!("wrote {}", file.display()));
-        }
-        Ok(())
+        files.deliver(common.json, talk, &json, &report::plan_summary(&plan, self.all))
     }
 }
