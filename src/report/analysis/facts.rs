@@ -41,8 +41,6 @@ pub struct Analysis {
     pub diagnosis: Option<DiagnosisFacts>,
     /// What a reader should know before he believes the numbers.
     pub cautions: Vec<String>,
-    /// Facts that the caller adds, such as how the alignment was chosen.
-    pub remarks: Vec<String>,
 }
 
 impl Analysis {

@@ -49,7 +49,6 @@ impl Analysis {
             over_repeats,
             diagnosis: None,
             cautions: Vec::new(),
-            remarks: Vec::new(),
         };
         // What speaks against the fit itself comes before what speaks for caution in reading it.
         let of_fits = identifications.iter().flat_map(|repeat| repeat.cautions.iter().cloned());

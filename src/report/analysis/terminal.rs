@@ -44,12 +44,6 @@ pub fn summary(analysis: &Analysis) -> String {
             paragraph(&mut text, "  - ", caution);
         }
     }
-    if !analysis.remarks.is_empty() {
-        text.push_str("\nRemarks\n");
-        for remark in &analysis.remarks {
-            paragraph(&mut text, "  - ", remark);
-        }
-    }
     if let Some(diagnosis) = &analysis.diagnosis {
         text.push_str("\nWhat the model gets wrong\n");
         text.push_str(&diagnosis::terminal::in_short(diagnosis));
