@@ -54,7 +54,7 @@ pub(super) struct Arguments {
     /// A line for each trial
     #[arg(long)]
     list: bool,
-    /// Do one trial again and tell all that was found
+    /// Do one trial again and print all that was found
     #[arg(long, value_name = "CLASS:INDEX", value_parser = request, conflicts_with_all = ["class", "full", "trials", "list"])]
     trial: Option<Request>,
 }

@@ -11,7 +11,7 @@ use crate::error::{Error, Kind, Place, Result};
 use crate::plan::Test;
 use crate::report;
 
-/// Design a test: arcs and mountings that tell most in a budget of time
+/// Design a test: the arcs and mountings that determine most in a budget of time
 ///
 /// Reads the `[design]` of a test file, chooses set-ups and arcs, and writes `test.toml`, ready for
 /// `ballbar plan` and `ballbar program`.

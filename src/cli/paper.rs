@@ -21,7 +21,7 @@ pub(super) struct Arguments {
     /// Search the geometry whose condition numbers are nearest to the paper's
     #[arg(long)]
     search: bool,
-    /// Write the page paper.md, which tells the search's result too
+    /// Write the page paper.md, with the result of the search
     #[arg(long)]
     page: bool,
 }

@@ -24,7 +24,7 @@ pub(super) fn of(analysis: &Analysis) -> Vec<String> {
     all.extend(pauses(analysis));
     if analysis.repeats.len() == 1 {
         all.push(
-            "A single repeat: nothing tells how far the machine and its set-up repeat.".into(),
+            "Only one repeat: the repeatability of the machine and its set-up is unknown.".into(),
         );
     }
     all
@@ -37,7 +37,7 @@ fn deficient(analysis: &Analysis) -> Option<String> {
     }
     let weak = analysis.over_repeats.iter().filter(|mean| mean.observed < DETERMINED);
     Some(format!(
-        "{} of {} directions are not observable: the values of {} are the shortest of many that fit equally well, and are no properties of the machine; no sigma is shown for them.",
+        "{} of {} directions are not observable. The values of {} are the smallest of many that fit equally well: they are no properties of the machine, and no sigma is shown for them.",
         worst.parameter_count - worst.rank,
         worst.parameter_count,
         list(weak.map(|mean| mean.name.as_str()))
@@ -49,7 +49,7 @@ fn unexplained(analysis: &Analysis) -> Option<String> {
     let stated = analysis.ball_bar.noise_um;
     (worst > NOISY * stated).then(|| {
         format!(
-            "Residuals of up to {} um rms are {} times the stated noise of {} um: the model does not explain all that the bar reads, and the sigmas do not count that.",
+            "Residuals of up to {} um rms are {} times the stated noise of {} um: the model does not explain all that the bar reads. The sigmas do not include this.",
             fixed(worst, 3),
             fixed(worst / stated, 1),
             fixed(stated, 3)
@@ -71,7 +71,7 @@ fn changed(analysis: &Analysis) -> Option<String> {
     let largest = moved.iter().map(|(_, ratio)| *ratio).fold(0.0, f64::max);
     (!moved.is_empty()).then(|| {
         format!(
-            "Between the repeats {} moved by more than {} times the stated sigma, at most {} times: the machine or its set-up changed, or something is not in the model.",
+            "Between the repeats {} changed by more than {} times the stated sigma, {} times at most: the machine or its set-up changed, or an effect is not in the model.",
             list(moved.iter().map(|(name, _)| *name)),
             fixed(REMARKABLE, 0),
             fixed(largest, 0)
@@ -92,7 +92,7 @@ fn timing(run: &RunResult, analysis: &Analysis) -> Option<String> {
     let worst = run.worst_time_sigma_ms.unwrap_or(f64::INFINITY);
     (worst > 20.0).then(|| {
         let told = run.worst_time_sigma_ms.map_or("unknown".into(), |s| format!("{} ms", fixed(s, 1)));
-        format!("{}: the uncertainty of the sample times is {told}: facets of the path cannot be told apart.", run.name)
+        format!("{}: the uncertainty of the sample times is {told}: facets of the path cannot be distinguished.", run.name)
     })
 }
 
@@ -102,7 +102,7 @@ fn feed(analysis: &Analysis) -> Vec<String> {
         .filter_map(|run| {
             let sigma = run.feed_override.excess_sigma_percent?;
             Some(format!(
-                "{}: the log says that the feed was {} % +- {} % off the stated {} %; the program times follow the log.",
+                "{}: by the log the feed differed by {} % +- {} % from the stated {} %. The program times follow the log.",
                 run.name,
                 fixed(run.feed_override.excess_percent, 3),
                 fixed(sigma, 3),
@@ -140,7 +140,7 @@ fn close_pairs(analysis: &Analysis) -> Option<String> {
             String::new()
         };
         format!(
-            "Read together, not one by one, because their estimates are correlated: {}{more}.",
+            "These estimates are correlated and must be read together: {}{more}.",
             told.join(", ")
         )
     })
@@ -158,6 +158,6 @@ fn pauses(analysis: &Analysis) -> Option<String> {
         })
         .count();
     (unknown > 0).then(|| {
-        format!("{} between arcs cannot be told from the logs.", many(unknown, "operator's pause"))
+        format!("{} between arcs cannot be read from the logs.", many(unknown, "operator's pause"))
     })
 }

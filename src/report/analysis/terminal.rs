@@ -33,7 +33,7 @@ pub fn summary(analysis: &Analysis) -> String {
     let confounded: Vec<&String> =
         analysis.repeats.first().map_or_else(Vec::new, |repeat| repeat.confounded.iter().collect());
     if !confounded.is_empty() {
-        text.push_str("\nNot observable, and therefore not to be read one by one\n");
+        text.push_str("\nNot observable: do not read these values one by one\n");
         for sentence in confounded {
             paragraph(&mut text, "  ", sentence);
         }

@@ -135,5 +135,7 @@ pub(super) fn gains(facts: &DiagnosisFacts) -> Option<String> {
         let name = if fit { run.run.clone() } else { fixed(from + 1.0, 0) };
         chart.below(from + 0.5, &name);
     }
-    Some(chart.finish("residual of every run before, after, and what does not repeat"))
+    Some(
+        chart.finish("residual of every run before and after, and its part that is not repeatable"),
+    )
 }

@@ -176,12 +176,12 @@ fn unseen(diagnosis: &Diagnosis, identifications: &[Identification]) -> Vec<Stri
     let mut told = Vec::new();
     if identifications.len() == 1 {
         told.push(
-            "One repeat only: an effect of this repeat cannot be told from one of every repeat, and the gain is that of the fit itself, not on a run that took no part.".to_owned(),
+            "Only one repeat: an effect of this repeat alone cannot be distinguished from a lasting one. The gain is that of the fit itself, not of a run that was not fitted.".to_owned(),
         );
     }
     if diagnosis.verdict.structure_before.is_none() {
         told.push(
-            "No program ran twice: structure cannot be told from slow noise, and the floor is what the fit leaves.".to_owned(),
+            "No program ran twice: the repeatable part of the residual cannot be distinguished from slow noise. The part that is not repeatable is taken from the fit.".to_owned(),
         );
     }
     let feeds: BTreeSet<i64> = identifications
@@ -193,7 +193,7 @@ fn unseen(diagnosis: &Diagnosis, identifications: &[Identification]) -> Vec<Stri
         .collect();
     if feeds.len() == 1 {
         told.push(
-            "All arcs have one feed: what hangs on time or speed (following error, reversal spikes, vibration) is told from what hangs on place by its shape alone; a second feed would tell them apart."
+            "All arcs have one feed: effects of time or speed (following error, reversal spikes, vibration) differ from effects of position by their shape only. A second feed would separate them."
                 .to_owned(),
         );
     }
@@ -204,7 +204,7 @@ fn unseen(diagnosis: &Diagnosis, identifications: &[Identification]) -> Vec<Stri
         .collect();
     if mountings.len() == 1 {
         told.push(
-            "One mounting only: an angular error of a slide and a straightness or positioning error that it causes at the balls are told apart by the levers within the sphere alone; another tool length or place would."
+            "Only one mounting: an angular error of an axis differs from the straightness or positioning error that it causes at the balls by the levers within the sphere only. Another tool length or place would separate them."
                 .to_owned(),
         );
     }

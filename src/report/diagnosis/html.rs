@@ -74,9 +74,9 @@ fn told(finding: &FindingFacts) -> Told<'_> {
         others: terminal::others(finding),
         picture: finding.picture.as_ref().map(|picture| figures::picture(finding, picture)),
         caption: if finding.named {
-            "The effect by itself: dots with what is left around it (band: two standard deviations), line as it was fitted."
+            "The effect alone. Line: as fitted. Dots: with the residual added (band: two standard deviations)."
         } else {
-            "The curve by itself: small dots with what is left around it (band: two standard deviations), line and its knots as fitted, without what the model spans anyway."
+            "The curve alone, without the part that the model contains. Line and its knots: as fitted. Small dots: with the residual added (band: two standard deviations)."
         },
         facts: finding,
     }

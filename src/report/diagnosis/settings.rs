@@ -47,7 +47,7 @@ fn told(wrong: &WrongSetting, machine: &Machine) -> String {
                 Pivot::Base => ("base", "carriage"),
             };
             format!(
-                "The pivot of {slide} is not on the {is}, as the machine file has it: say `pivot = \"{instead}\"`"
+                "The pivot of {slide} is not on the {is}, as the machine file states: write `pivot = \"{instead}\"`"
             )
         }
         place => {
@@ -62,7 +62,7 @@ fn told(wrong: &WrongSetting, machine: &Machine) -> String {
                 _ => "coincidence_mm",
             };
             format!(
-                "The {} lies {} +- {} mm from where the test file has it in {mounting}: read `{key}` from the control again",
+                "The position of the {} differs from the test file by {} +- {} mm in {mounting}: read `{key}` from the control again",
                 what(place).unwrap_or_else(|| "ball".into()),
                 fixed(wrong.effect.get("offset_mm"), places),
                 fixed(sigma_mm, places)

@@ -25,7 +25,7 @@ pub fn diagnosis_text(facts: &DiagnosisFacts) -> String {
     text.push_str(&gains(facts));
     text.push_str(&moved(facts));
     if !facts.unseen.is_empty() {
-        text.push_str("\nWhat these runs cannot tell\n");
+        text.push_str("\nWhat these runs cannot show\n");
         for sentence in &facts.unseen {
             paragraph(&mut text, "  - ", sentence);
         }
@@ -87,7 +87,7 @@ fn full(text: &mut String, number: usize, finding: &FindingFacts) {
     let parts = [
         ("     comes from   ", finding.source),
         ("     what to do   ", finding.remedy),
-        ("     taken for    ", finding.taken_for),
+        ("     mistaken for ", finding.taken_for),
     ];
     for (lead, words) in parts.into_iter().filter(|(_, words)| !words.is_empty()) {
         paragraph(text, lead, words);
@@ -96,7 +96,7 @@ fn full(text: &mut String, number: usize, finding: &FindingFacts) {
         paragraph(
             text,
             "     what to do   ",
-            "no cause of the library explains it: look at the machine there; the curve may join the model as it is, labelled empirical",
+            "no known cause explains it: inspect the machine there; the curve can join the model, marked as empirical",
         );
     }
     for effect in &finding.effects {
@@ -115,20 +115,24 @@ pub(super) fn others(finding: &FindingFacts) -> Vec<String> {
     let same = of(Told::Same);
     if !same.is_empty() {
         told.push(format!(
-            "Cannot be told from {} with these runs: they leave the same trace.",
+            "Cannot be distinguished from {} with these runs: the readings would be the same.",
             names(&same)
         ));
     }
     let undecided = of(Told::Undecided);
     if let Some(first) = undecided.first() {
         told.push(format!(
-            "Not decided by these runs, within the noise: {} (explains {} % of that).",
+            "Not distinguished within the noise: {} (explains {} % of the same).",
             names(&undecided),
             percent_of(first)
         ));
     }
     if let Some(next) = of(Told::Apart).first() {
-        told.push(format!("Next best: {} explains {} % of that.", next.name(), percent_of(next)));
+        told.push(format!(
+            "Next best: {} explains {} % of the same.",
+            next.name(),
+            percent_of(next)
+        ));
     }
     told
 }
@@ -143,11 +147,11 @@ fn gains(facts: &DiagnosisFacts) -> String {
         return text;
     }
     text.push_str(if facts.runs.len() > 1 {
-        "\nGain on every run, with what the other repeats say, um rms\n"
+        "\nResidual of every run, with the effects as fitted to the other repeats, um rms\n"
     } else {
-        "\nGain, um rms\n"
+        "\nResidual, um rms\n"
     });
-    let head = ["run", "before", "after", "does not repeat", "explained"];
+    let head = ["run", "before", "after", "not repeatable", "explained"];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for run in &facts.runs {
         rows.push(vec![
@@ -160,7 +164,7 @@ fn gains(facts: &DiagnosisFacts) -> String {
     }
     text.push_str(&table(&rows, "lrrrr"));
     if !facts.programs.is_empty() {
-        text.push_str("\nForetold from the runs of the other programs, um rms\n");
+        text.push_str("\nPredicted from the runs of the other programs, um rms\n");
         let head = ["runs", "feed", "before", "after"];
         let mut rows = vec![head.map(str::to_owned).to_vec()];
         for program in &facts.programs {
@@ -180,9 +184,8 @@ fn moved(facts: &DiagnosisFacts) -> String {
     if facts.moved.is_empty() {
         return String::new();
     }
-    let mut text = String::from(
-        "\nCoefficients that the missing effects had moved by more than their sigma\n",
-    );
+    let mut text =
+        String::from("\nCoefficients that change by more than their sigma with the effects\n");
     let head = ["name", "before", "after", "sigma", "unit"];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for moved in &facts.moved {

@@ -41,13 +41,13 @@ impl VerdictFacts {
             explained: explained(all, diagnosis.runs.len()).filter(|_| something),
             repaired: something.then(|| {
                 format!(
-                    "Compensated or repaired, the residual of {} um rms would be {} um.",
+                    "After compensation or repair, the residual of {} um rms would be {} um rms.",
                     um(all.before_mm),
                     um(all.after_mm)
                 )
             }),
             noise: format!(
-                "Residual noise {} um, of neighbouring readings {} um; effects below {} um rms would not have been named.",
+                "Residual noise: {} um rms; between neighbouring readings: {} um rms. Effects below {} um rms would not have been named.",
                 um(all.after_mm),
                 um(all.neighbours_mm),
                 um(all.smallest_mm)
@@ -88,25 +88,28 @@ fn um(mm: f64) -> String {
 fn structure(all: &Verdict, something_found: bool) -> String {
     match (&all.structure_before, something_found) {
         (None, false) => format!(
-            "Nothing found that the model does not explain; of the {} um rms that it leaves, no repeat tells what is noise.",
+            "Nothing was found that the model does not explain. The residual is {} um rms. No program ran twice: its repeatable part is unknown.",
             um(all.before_mm)
         ),
         (None, true) => format!(
-            "The model leaves {} um rms, the extended model {} um; no repeat tells what of it is noise.",
+            "The residual is {} um rms with the model and {} um rms with the extended model. No program ran twice: its repeatable part is unknown.",
             um(all.before_mm),
             um(all.after_mm)
         ),
         (Some(before), false) if significant(before) => format!(
-            "{} um rms of structure repeats that the model does not explain, too little to name its cause.",
+            "The repeatable part of the residual is {} um rms. It is too small to name its cause.",
             rms(before)
         ),
         (Some(before), false) => {
-            format!("The model explains all but {} um of what repeats.", rms(before))
+            format!(
+                "The model explains the readings: the repeatable part of the residual is {} um rms.",
+                rms(before)
+            )
         }
         (Some(before), true) => {
             let after = all.structure_after.unwrap_or(*before);
             format!(
-                "{} um rms of structure repeats that the model does not explain; the extended model leaves {} um.",
+                "The repeatable part of the residual is {} um rms. With the extended model it is {} um rms.",
                 rms(before),
                 rms(&after)
             )
@@ -117,8 +120,8 @@ fn structure(all: &Verdict, something_found: bool) -> String {
 fn explained(all: &Verdict, runs: usize) -> Option<String> {
     let [low, high] = all.explained_interval?;
     Some(format!(
-        "Explained on {}: {} % of what repeats, 95 % interval {} to {} %.",
-        if runs > 1 { "runs that took no part" } else { "the run itself" },
+        "Explained on {}: {} % of the repeatable part of the residual (95 % interval {} to {} %).",
+        if runs > 1 { "runs that were not fitted" } else { "the fitted run itself" },
         percent(all.explained?),
         percent(low),
         percent(high)
@@ -127,7 +130,7 @@ fn explained(all: &Verdict, runs: usize) -> Option<String> {
 
 fn setting(of: &WrongSettingFacts) -> String {
     format!(
-        "{}. So the residual is {} um rms instead of {} um; all that follows is with it put right.",
+        "{}. With this correction the residual is {} um rms instead of {} um rms. All that follows includes the correction.",
         of.told,
         um(of.setting.after_mm),
         um(of.setting.before_mm)
@@ -140,13 +143,13 @@ fn off_time(of: &OffTime) -> String {
     let ppm = fixed(of.clock_ppm, 0);
     if of.cause == OffCause::FeedOverride {
         format!(
-            "Time of {}: the feed override stood at {percent}, not at {stated} % as the test file has it: say `feed_override_percent = {}` in the run. A clock that is off by {ppm} ppm would do the same.",
+            "Time of {}: the feed override was {percent}, not {stated} % as the test file states. Write `feed_override_percent = {}` in the run. A clock error of {ppm} ppm would have the same effect.",
             of.run,
             fixed(of.percent, 1),
         )
     } else {
         format!(
-            "Time of {}: the clock is off by {ppm} ppm, more than the test file allows: say `clock_ppm` of the ball bar as it is. A feed override of {percent} would do the same.",
+            "Time of {}: the clock is off by {ppm} ppm, more than the test file allows. Write the real `clock_ppm` of the ball bar. A feed override of {percent} would have the same effect.",
             of.run
         )
     }

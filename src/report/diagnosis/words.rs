@@ -127,7 +127,7 @@ pub(super) fn remarks(effect: &Effect, numbers: &[Number], machine: &Machine) ->
             let how = if delay_ms < 0.0 { "less" } else { "more" };
             let size_ms = delay_ms.abs();
             vec![format!(
-                "{axis} lags {} ms {how} than the slides that are not named; what all have in common shows as a delay of the log.",
+                "{axis} lags {} ms {how} than the axes that are not named. A lag that all axes share appears as a delay of the log.",
                 fixed(size_ms, decimals(size_ms, 3).min(3))
             )]
         }
@@ -136,7 +136,7 @@ pub(super) fn remarks(effect: &Effect, numbers: &[Number], machine: &Machine) ->
             let (unit, si) = effect.seat.amplitude_unit();
             let first = -effect.get(AMPLITUDE) / si * (-DRIFT_MIN / minutes).exp_m1();
             vec![format!(
-                "In the first {DRIFT_MIN} min {} {}; 95 % of all is there after {} min.",
+                "In the first {DRIFT_MIN} min it reaches {} {}; 95 % of the whole is reached after {} min.",
                 fixed(first, decimals(first, 3)),
                 unit.replace("um_m", "um/m"),
                 fixed(3.0 * minutes, usize::from(minutes < 3.0))
@@ -169,7 +169,7 @@ pub(super) fn aliases(frequency_hz: f64, rates_hz: &[f64]) -> Option<String> {
 fn screw(effect: &Effect, numbers: &[Number], machine: &Machine, axis: Axis) -> String {
     let Some(pitch_mm) = machine.slide(axis).screw_pitch_mm else {
         return format!(
-            "The machine file does not say the pitch of the screw of {axis} (`screw_pitch_mm`)."
+            "The machine file does not state the pitch of the {axis} screw (`screw_pitch_mm`)."
         );
     };
     let period_mm = effect.get("period_mm");
@@ -180,17 +180,18 @@ fn screw(effect: &Effect, numbers: &[Number], machine: &Machine, axis: Axis) -> 
         let off_mm = (times * period_mm - pitch_mm).abs();
         if off_mm < (3.0 * times * sigma_mm).max(NEAR_A_PITCH * pitch_mm) {
             return format!(
-                "The period is {words}the pitch of the screw of {axis}, {pitch_mm} mm: {}.",
+                "The period is {words}the pitch of the {axis} screw, {pitch_mm} mm: {}.",
                 match times as usize {
-                    1 => "once a turn, as of a screw that runs out".to_owned(),
-                    times =>
-                        format!("{times} times a turn, as of its bearing, coupling or encoder"),
+                    1 => "once per turn of the screw, as from its run-out".to_owned(),
+                    times => format!(
+                        "{times} times per turn of the screw, as from its bearing, coupling or encoder"
+                    ),
                 }
             );
         }
     }
     format!(
-        "The period is no simple part of the pitch of the screw of {axis}, {pitch_mm} mm: look at the scale and what else turns with the drive."
+        "The period is no simple part of the pitch of the {axis} screw, {pitch_mm} mm. Check the scale and what else turns with the drive."
     )
 }
 
@@ -222,7 +223,7 @@ mod tests {
     fn a_period_is_held_against_the_screw() {
         let machine = Machine::read("machines/hu40t.toml".as_ref()).unwrap();
         for (period, told) in [
-            (10.0, "the pitch of the screw of X"),
+            (10.0, "the pitch of the X screw"),
             (5.004, "half the pitch"),
             (2.5, "a quarter of the pitch"),
             (7.7, "no simple part"),

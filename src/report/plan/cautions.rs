@@ -16,14 +16,14 @@ pub(super) fn of(test: &TestOutlook, minimum_norm: bool) -> Vec<String> {
     let sight = &test.sight;
     if sight.rank < sight.ideal_rank {
         all.push(format!(
-            "The noise hides {} of the {} directions that ideal arcs would show: less noise, more samples or other terms.",
+            "The noise hides {} of the {} directions that ideal arcs would show. Less noise, more samples or other terms would help.",
             sight.ideal_rank - sight.rank,
             sight.ideal_rank
         ));
     }
     if sight.rank > sight.ideal_rank {
         all.push(format!(
-            "The path shows {} more than ideal arcs, on which a slide that stands still has no sense: that much hangs on the senses that standing slides keep from their last motion.",
+            "The path shows {} more than ideal arcs, on which an axis that stands still has no direction of motion. These depend on the direction that standing axes keep from their last motion.",
             many(sight.rank - sight.ideal_rank, "direction")
         ));
     }
@@ -54,7 +54,7 @@ fn clearance(test: &TestOutlook) -> Vec<String> {
     told.sort_by_key(|line| line.starts_with("WARNING"));
     if test.mountings.iter().any(|mounting| mounting.clearance.is_none()) {
         told.push(
-            "The machine file names no `[clearance.support]`, or nothing that could touch it: nobody has looked for collisions.".into(),
+            "The machine file names no `[clearance.support]`, or nothing that could touch it: collisions were not checked.".into(),
         );
     }
     told
@@ -67,12 +67,12 @@ fn confounded(test: &TestOutlook, minimum_norm: bool) -> Option<String> {
     }
     let weak = test.parameters.iter().filter(|parameter| parameter.observed < DETERMINED);
     let what = if minimum_norm {
-        "`analyse` will tell the shortest of many solutions"
+        "`analyse` will give the smallest of many solutions"
     } else {
         "`analyse` will refuse them"
     };
     Some(format!(
-        "{} of {} directions of the named terms are not observable, among {}: {what}. With `terms = [\"complete\"]` the test chooses what it can tell apart.",
+        "{} of {} directions of the named terms are not observable, among {}: {what}. With `terms = [\"complete\"]` the test chooses what it can distinguish.",
         sight.parameter_count - sight.rank,
         sight.parameter_count,
         list(weak.map(|parameter| parameter.name.as_str()))

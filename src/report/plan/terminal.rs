@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::facts::{PlanReport, TestOutlook};
 use super::unseen::{Group, groups};
-use super::words::{STEP, assumed, clearances, heading, under_title};
+use super::words::{STEP, assumed, clearances, heading, not_separated, under_title};
 use super::{rows, verdict};
 use crate::report::text::layout::{WIDTH, paragraph, table};
 use crate::report::text::numbers::many;
@@ -94,7 +94,7 @@ fn one(text: &mut String, test: &TestOutlook, repeats: u32, all: bool) {
     text.push_str("\nTime, min:s\n");
     text.push_str(&table(&narrow(rows::time(test, repeats)), "lrrrrrrrrr"));
     paragraph(text, "  ", &assumed(test, repeats));
-    text.push_str("\nWhat it will know\n");
+    text.push_str("\nWhat it will determine\n");
     let sides = if repeats > 1 { "llrrl" } else { "llrl" };
     text.push_str(&table(&rows::machine_errors(test, repeats), sides));
     paragraph(text, "  ", STEP);
@@ -144,7 +144,7 @@ fn unseen(text: &mut String, test: &TestOutlook, all: bool) {
     if test.unseen.is_empty() {
         return;
     }
-    let _ = writeln!(text, "\nWhat it cannot tell ({})", many(test.unseen.len(), "term"));
+    let _ = writeln!(text, "\nWhat it cannot distinguish ({})", many(test.unseen.len(), "term"));
     let groups = groups(&test.unseen);
     if all {
         for group in &groups {
@@ -178,10 +178,7 @@ fn unseen(text: &mut String, test: &TestOutlook, all: bool) {
         let names: Vec<&str> = group.terms.iter().map(|term| term.name.as_str()).collect();
         format!("{}: {}", heading(&group.what), names.join(" "))
     };
-    let last = nothing.first().map(|group| {
-        let named = format!("separates {}", many(group.terms.len(), "other"));
-        filled("  ", &heading("").replacen("separates", &named, 1))
-    });
+    let last = nothing.first().map(|group| filled("  ", &not_separated(group.terms.len())));
     let last = last.and_then(&mut fits);
     let mut kept: Vec<&Group<'_>> = Vec::new();
     for group in remedied {

@@ -9,7 +9,7 @@ use crate::report::text::numbers::{fixed, many};
 pub(super) fn of(test: &TestOutlook, repeats: u32) -> Vec<String> {
     let minutes = |seconds: f64| format!("{} min", fixed(seconds / 60.0, 0));
     let mut time = format!(
-        "It takes {}: {} of the machine and {} assumed for the operator.",
+        "It takes {}: {} for the machine and {} assumed for the operator.",
         minutes(test.time.total_s),
         minutes(test.time.machine_s),
         minutes(test.time.operator_s)
@@ -17,19 +17,19 @@ pub(super) fn of(test: &TestOutlook, repeats: u32) -> Vec<String> {
     if repeats > 1 {
         let _ = write!(
             time,
-            " {repeats} times it takes {}, {} of the machine.",
+            " {repeats} repeats take {}, {} for the machine.",
             minutes(test.time_of_repeats.total_s),
             minutes(test.time_of_repeats.machine_s)
         );
     }
     let sight = &test.sight;
     let terms = if sight.chosen {
-        "chosen by what the test can tell apart".to_owned()
+        "chosen by what the test can distinguish".to_owned()
     } else {
         format!("of the named terms {}", sight.asked.join(" "))
     };
     let sight = format!(
-        "It determines {} of 90 coefficients and {}, {terms}: rank {} of {} on ideal arcs, {} through the noise; condition number {}.",
+        "It determines {} of 90 coefficients and {}, {terms}: rank {} of {} on ideal arcs, {} with the noise; condition number {}.",
         sight.coefficients,
         many(sight.set_up_errors, "set-up error"),
         sight.ideal_rank,
@@ -64,7 +64,7 @@ fn volume(test: &TestOutlook, repeats: u32) -> String {
 fn unknown(test: &TestOutlook) -> String {
     let of = &test.volume_unseen;
     format!(
-        "Not seen at all: {} um rms, {} um at the worst, if every one of the 90 coefficients may displace the tool by {} um rms; repeats do not help against it.",
+        "Not observed at all: {} um rms, {} um at the worst, if each of the 90 coefficients may displace the tool by {} um rms. Repeats do not reduce it.",
         of.rms_um.of_one.map_or("unknown".into(), |um| fixed(um, 1)),
         of.worst_um.of_one.map_or("unknown".into(), |um| fixed(um, 1)),
         fixed(test.unknown_um, 0)

@@ -2,7 +2,9 @@
 
 use super::facts::TestOutlook;
 use crate::report::text::numbers::{fixed, many};
-use crate::report::text::words::capital;
+
+/// What the terms are that nothing separates.
+const OF_THE_REST: &str = "most describe where the machine's zero is, or repeat what is kept";
 
 /// What a step is in the table of machine errors.
 pub(super) const STEP: &str = "The step at a reversal is twice the coefficient.";
@@ -52,8 +54,7 @@ pub(super) fn vector(mm: &[f64; 3]) -> String {
 /// What the operator's time assumes.
 pub(super) fn assumed(test: &TestOutlook, repeats: u32) -> String {
     let operator = &test.operator;
-    let again =
-        if repeats > 1 { "; the balls stay where they are between the repeats" } else { "" };
+    let again = if repeats > 1 { "; the balls stay in place between the repeats" } else { "" };
     format!(
         "The operator's time is an assumption of the test file: {} min to set up a mounting, {} min to fit the bar, {} s at a stop between arcs{again}.",
         operator.set_up_min, operator.fit_bar_min, operator.stop_s
@@ -63,9 +64,13 @@ pub(super) fn assumed(test: &TestOutlook, repeats: u32) -> String {
 /// What stands before the terms of a group.
 pub(super) fn heading(what: &str) -> String {
     if what.is_empty() {
-        "Nothing that was tried separates; most say where the machine's zero is, or name again what is kept"
-            .into()
+        format!("Separated by nothing that was tried; {OF_THE_REST}")
     } else {
-        format!("{} separates", capital(what))
+        format!("Separated by {what}")
     }
+}
+
+/// What stands for the terms that nothing separates, where there is no room for their names.
+pub(super) fn not_separated(terms: usize) -> String {
+    format!("Separated by nothing that was tried: {}; {OF_THE_REST}", many(terms, "other"))
 }
