@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::cautions::DETERMINED;
 use super::facts::{Analysis, RunResult};
+use super::machine_errors::MachineErrors;
 use super::means::MeanResult;
 use super::verdict;
 use crate::report::diagnosis;
@@ -156,55 +157,58 @@ fn machine_errors(analysis: &Analysis) -> String {
     let mut text = String::new();
     if !errors.squareness.is_empty() {
         text.push_str("\nSquareness (angle between the positive directions minus 90 deg)\n");
-        let rows: Vec<Vec<String>> = errors
-            .squareness
-            .iter()
-            .map(|s| {
-                vec![
-                    s.axes.to_owned(),
-                    s.name.clone(),
-                    s.symbol.to_owned(),
-                    format!("{} um/m", signed(s.angle_minus_90_um_m, 2)),
-                    format!("{} arcsec", signed(s.angle_minus_90_arcsec, 2)),
-                    spread(s.observed, s.sigma_um_m, s.deviation_um_m, "um/m", 2),
-                ]
-            })
-            .collect();
-        text.push_str(&table(&rows, "lllrrl"));
+        text.push_str(&squareness(errors));
     }
     if !errors.scale.is_empty() {
         text.push_str("\nScale\n");
-        let rows: Vec<Vec<String>> = errors
-            .scale
-            .iter()
-            .map(|s| {
-                vec![
-                    s.name.clone(),
-                    format!("{} um/m", signed(s.value_um_m, 2)),
-                    spread(s.observed, s.sigma_um_m, s.deviation_um_m, "um/m", 2),
-                ]
-            })
-            .collect();
-        text.push_str(&table(&rows, "lrl"));
+        text.push_str(&scale(errors));
     }
-    if errors.reversal.is_empty() && errors.angular_hysteresis.is_empty() {
-        return text;
+    if !errors.reversal.is_empty() || !errors.angular_hysteresis.is_empty() {
+        text.push_str(
+            "\nReversal (step from negative to positive motion, twice the coefficient b)\n",
+        );
+        text.push_str(&reversal(errors));
     }
-    text.push_str("\nReversal (step from negative to positive motion, twice the coefficient b)\n");
-    let mut rows: Vec<Vec<String>> = errors
-        .reversal
-        .iter()
-        .map(|r| {
-            vec![
-                r.name.clone(),
-                r.kind.to_owned(),
-                format!("step {} um", signed(r.step_um, 3)),
-                format!("b {} um", signed(r.coefficient_um, 3)),
-                spread(r.observed, r.sigma_um, r.deviation_um, "um", 3),
-            ]
-        })
-        .collect();
-    rows.extend(errors.angular_hysteresis.iter().map(|h| {
+    text
+}
+
+fn squareness(errors: &MachineErrors) -> String {
+    let rows = errors.squareness.iter().map(|s| {
+        vec![
+            s.axes.to_owned(),
+            s.name.clone(),
+            s.symbol.to_owned(),
+            format!("{} um/m", signed(s.angle_minus_90_um_m, 2)),
+            format!("{} arcsec", signed(s.angle_minus_90_arcsec, 2)),
+            spread(s.observed, s.sigma_um_m, s.deviation_um_m, "um/m", 2),
+        ]
+    });
+    table(&rows.collect::<Vec<_>>(), "lllrrl")
+}
+
+fn scale(errors: &MachineErrors) -> String {
+    let rows = errors.scale.iter().map(|s| {
+        vec![
+            s.name.clone(),
+            format!("{} um/m", signed(s.value_um_m, 2)),
+            spread(s.observed, s.sigma_um_m, s.deviation_um_m, "um/m", 2),
+        ]
+    });
+    table(&rows.collect::<Vec<_>>(), "lrl")
+}
+
+/// Displacements and then rotations.
+fn reversal(errors: &MachineErrors) -> String {
+    let displacements = errors.reversal.iter().map(|r| {
+        vec![
+            r.name.clone(),
+            r.kind.to_owned(),
+            format!("step {} um", signed(r.step_um, 3)),
+            format!("b {} um", signed(r.coefficient_um, 3)),
+            spread(r.observed, r.sigma_um, r.deviation_um, "um", 3),
+        ]
+    });
+    let rotations = errors.angular_hysteresis.iter().map(|h| {
         vec![
             h.name.clone(),
             "angular".into(),
@@ -212,9 +216,8 @@ fn machine_errors(analysis: &Analysis) -> String {
             format!("b {} urad", signed(h.coefficient_urad, 2)),
             spread(h.observed, h.sigma_urad, h.deviation_urad, "urad", 2),
         ]
-    }));
-    text.push_str(&table(&rows, "llrrl"));
-    text
+    });
+    table(&displacements.chain(rotations).collect::<Vec<_>>(), "llrrl")
 }
 
 /// Sigma of one repeat and deviation between them, in words; or that the value stands on one leg only.

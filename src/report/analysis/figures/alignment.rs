@@ -12,6 +12,9 @@ use crate::report::text::numbers::fixed;
 /// Width of the strip, pixels, and the room beside it.
 const WIDTH: f64 = 980.0;
 const SIDE: f64 = 24.0;
+/// Where the strip begins and ends, pixels from above.
+const TOP: f64 = 24.0;
+const BOTTOM: f64 = 58.0;
 /// So many samples are drawn at an end of the engagement.
 const MOST_DOTS: usize = 300;
 
@@ -52,11 +55,32 @@ fn strip(run: &RunInput, result: &RunResult) -> String {
     let margin_s = 0.015 * (last_s - first_s).max(1.0);
     let (low_s, high_s) = (first_s - margin_s, last_s + margin_s);
     let at = |log_s: f64| SIDE + (log_s - low_s) / (high_s - low_s) * (WIDTH - 2.0 * SIDE);
-    let (top, bottom) = (24.0, 58.0);
+    let (top, bottom) = (TOP, BOTTOM);
     let mut drawing = Drawing::new(WIDTH, 96.0);
     drawing.rectangle((SIDE, top), WIDTH - 2.0 * SIDE, bottom - top, "field");
+    sections(&mut drawing, run, &at);
+    for (stop, pause) in result.pauses.iter().enumerate() {
+        let Some(length_s) = pause.length_s.filter(|length| *length > 0.0) else { continue };
+        let from = map.log_time_s(pause.program_s, stop);
+        drawing.rectangle((at(from), top), at(from + length_s) - at(from), bottom - top, "pause");
+    }
+    marks(&mut drawing, run, &at);
+    let axis = ticks(low_s, high_s, 12);
+    for value in &axis.values {
+        let x = at(*value);
+        drawing.line((x, bottom), (x, bottom + 4.0), "tick-line");
+        let label = fixed(*value, axis.decimals);
+        drawing.text((x, bottom + 16.0), Anchor::Middle, "tick", &label);
+    }
+    drawing.text((0.5 * WIDTH, 93.0), Anchor::Middle, "axis", "time on the instrument's clock, s");
+    drawing.finish(&format!("{}: the log over time", run.name))
+}
+
+/// The arcs that have a place on the log, each circle in its colour.
+fn sections(drawing: &mut Drawing, run: &RunInput, at: &dyn Fn(f64) -> f64) {
+    let map = &run.alignment.time_map;
     let mut circles: Vec<String> = Vec::new();
-    for section in &alignment.sections {
+    for section in &run.alignment.sections {
         let leg = map.leg_of(0.5 * (section.start_s + section.end_s));
         if map.offset_sigmas_s.get(leg).is_none_or(|sigma| sigma.is_infinite()) {
             continue;
@@ -74,7 +98,7 @@ fn strip(run: &RunInput, result: &RunResult) -> String {
             let direction = if section.forward { "forward" } else { "backward" };
             format!("arc c{} {direction}", index % 8)
         };
-        drawing.rectangle((from, top), to - from, bottom - top, &class);
+        drawing.rectangle((from, TOP), to - from, BOTTOM - TOP, &class);
         if section.transit {
             continue;
         }
@@ -86,33 +110,23 @@ fn strip(run: &RunInput, result: &RunResult) -> String {
             drawing.text((0.5 * (from + to), 45.0), Anchor::Middle, "arc-name", text);
         }
     }
-    for (stop, pause) in result.pauses.iter().enumerate() {
-        let Some(length_s) = pause.length_s.filter(|length| *length > 0.0) else { continue };
-        let from = map.log_time_s(pause.program_s, stop);
-        drawing.rectangle((at(from), top), at(from + length_s) - at(from), bottom - top, "pause");
-    }
-    for mark in &alignment.marks {
+}
+
+/// Where the bar engages and releases.
+fn marks(drawing: &mut Drawing, run: &RunInput, at: &dyn Fn(f64) -> f64) {
+    for mark in &run.alignment.marks {
         let x = at(mark.log_s);
         if mark.kind == MarkKind::Standstill {
             continue;
         }
-        let points = [(x - 5.0, top - 9.0), (x + 5.0, top - 9.0), (x, top - 1.0)];
+        let points = [(x - 5.0, TOP - 9.0), (x + 5.0, TOP - 9.0), (x, TOP - 1.0)];
         drawing.polygon(&points, "mark");
         let (anchor, name, by) = match mark.kind {
             MarkKind::Engagement => (Anchor::Start, "engages", 8.0),
             _ => (Anchor::End, "releases", -8.0),
         };
-        drawing.text((x + by, top - 3.0), anchor, "tick", name);
+        drawing.text((x + by, TOP - 3.0), anchor, "tick", name);
     }
-    let axis = ticks(low_s, high_s, 12);
-    for value in &axis.values {
-        let x = at(*value);
-        drawing.line((x, bottom), (x, bottom + 4.0), "tick-line");
-        let label = fixed(*value, axis.decimals);
-        drawing.text((x, bottom + 16.0), Anchor::Middle, "tick", &label);
-    }
-    drawing.text((0.5 * WIDTH, 93.0), Anchor::Middle, "axis", "time on the instrument's clock, s");
-    drawing.finish(&format!("{}: the log over time", run.name))
 }
 
 /// Reading and commanded ramp at the first engagement and at the last release.
