@@ -86,6 +86,17 @@ pub fn proposal_text(request: &Test, proposal: &Proposal, outlook: &Outlook) -> 
         fixed(outlook.volume_noise.worst.sigma_mm * 1e3, 2)
     );
     text.push_str("\nWhat to do\n");
+    text.push_str(&steps(proposal, outlook));
+    if !proposal.next.is_empty() {
+        text.push_str("\nWhat would determine most next\n");
+        text.push_str(&next(request, proposal));
+    }
+    text
+}
+
+/// The mountings in the order in which they are set up, each with its arcs.
+fn steps(proposal: &Proposal, outlook: &Outlook) -> String {
+    let mut text = String::new();
     for (index, proposed) in proposal.set_ups.iter().enumerate() {
         let set_up = &proposed.set_up;
         let at = set_up.mounting.coincidence_mm.map(|c| fixed(c, 0));
@@ -110,19 +121,22 @@ pub fn proposal_text(request: &Test, proposal: &Proposal, outlook: &Outlook) -> 
             let _ = writeln!(text, "       {}", line.join(", "));
         }
     }
-    if !proposal.next.is_empty() {
-        let of = request.design().map_or(Criterion::A, |design| design.criterion);
-        text.push_str("\nWhat would tell most next\n");
-        for next in &proposal.next {
-            let _ = writeln!(
-                text,
-                "  {} in {}: {} min, {}",
-                next.arc,
-                next.set_up,
-                fixed(next.seconds / 60.0, 1),
-                left(of, proposal.value[0], next.value)
-            );
-        }
+    text
+}
+
+/// The arcs that would be worth most beside those that were chosen.
+fn next(request: &Test, proposal: &Proposal) -> String {
+    let mut text = String::new();
+    let of = request.design().map_or(Criterion::A, |design| design.criterion);
+    for next in &proposal.next {
+        let _ = writeln!(
+            text,
+            "  {} in {}: {} min, {}",
+            next.arc,
+            next.set_up,
+            fixed(next.seconds / 60.0, 1),
+            left(of, proposal.value[0], next.value)
+        );
     }
     text
 }
