@@ -75,5 +75,6 @@ pub mod simulate;
 pub mod solve;
 mod toml_text;
 pub mod trial;
+mod written;
 
 pub use error::{Error, Result};

@@ -42,11 +42,11 @@ pub struct Cli {
 
 const LONG_ABOUT: &str = "Programs for a telescoping ball-bar, alignment of its logs, identification of the machine.\n\n\
 A machine file says what the machine is, a test file says what is tested, with what, and what was measured. \
-`plan` says what it takes and what it will know, `program` writes the NC programs, the machine runs them, `analyse` makes coefficients and a report of the logs, `diagnose` says what the model gets wrong.";
+`plan` says what it takes and what it will determine, `program` writes the NC programs, the machine runs them, `analyse` makes coefficients and a report of the logs, `diagnose` says what the model gets wrong.";
 
 const AFTER_HELP: &str = "Examples:
   ballbar demo                                 the whole chain on measured logs, in a few seconds
-  ballbar plan test.toml                       what a test takes and what it will know
+  ballbar plan test.toml                       what a test takes and what it will determine
   ballbar program test.toml -o out             write the NC programs of a test
   ballbar check out/O1001.nc --test test.toml  what is wrong with a program that was edited
   ballbar analyse test.toml -o out             align the logs, identify, write the report
@@ -99,7 +99,7 @@ pub fn main() -> ExitCode {
         Command::Design(arguments) => arguments.run(common, &talk),
         Command::Blind(arguments) => arguments.run(common, &talk),
         Command::Demo(arguments) => arguments.run(common, &talk),
-        Command::Machines(arguments) => arguments.run(common, &talk),
+        Command::Machines(arguments) => arguments.run(common),
         Command::Paper(arguments) => arguments.run(common, &talk),
         Command::Completions(arguments) => arguments.run(&mut Cli::command()),
         Command::Man(arguments) => arguments.run(&Cli::command(), common, &talk),
@@ -107,7 +107,7 @@ pub fn main() -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            talk.error(&error);
+            Talk::error(&error);
             ExitCode::from(error.kind.exit_code())
         }
     }

@@ -3,7 +3,7 @@
 use clap::Args;
 
 use super::common::Common;
-use super::output::{self, Files, Talk};
+use super::output::{Files, Talk};
 use crate::error::Result;
 use crate::paper::{self, Comparison, Geometry};
 use crate::report;
@@ -21,7 +21,7 @@ pub(super) struct Arguments {
     /// Search the geometry whose condition numbers are nearest to the paper's
     #[arg(long)]
     search: bool,
-    /// Write the page paper.md, which tells the search's result too
+    /// Write the page paper.md, with the result of the search
     #[arg(long)]
     page: bool,
 }
@@ -45,19 +45,9 @@ impl Arguments {
             let page = report::paper_page(&comparison, nearest.as_ref());
             files.add(common.output.join("paper.md"), page);
         }
-        let files = files.write()?;
-        if common.json {
-            let json = report::paper_json(&comparison, nearest.as_ref());
-            output::print(&format!("{json:#}\n"))?;
-        } else {
-            output::print(&report::paper_text(&comparison))?;
-            if let Some(nearest) = &nearest {
-                output::print(&report::nearest_text(nearest))?;
-            }
-        }
-        for file in files {
-            talk.say(&format!("wrote {}", file.display()));
-        }
-        Ok(())
+        let json = format!("{:#}\n", report::paper_json(&comparison, nearest.as_ref()));
+        let text = report::paper_text(&comparison)
+            + &nearest.as_ref().map_or_else(String::new, report::nearest_text);
+        files.deliver(common.json, talk, &json, &text)
     }
 }

@@ -21,13 +21,13 @@ pub use account::gain::{ProgramGain, RunGain};
 pub use account::left_out::LeftOut;
 pub use account::moved::Moved;
 pub use account::numbers::Number;
-pub use account::times::OffTime;
+pub use account::times::{OffCause, OffTime};
 pub use choose::found::{Rival, Told};
 pub use choose::settings::WrongSetting;
 pub use result::{Diagnosis, Finding, Verdict};
 pub use views::feature::Feature;
 pub use views::picture::{Picture, Point};
-pub use views::view::{Bin, Kind, View};
+pub use views::view::{Bin, Kind, Subject, View};
 
 use account::{arcs, gain, moved, numbers, times, unseen};
 use choose::found::Chosen;
@@ -118,6 +118,7 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         structure_after: structure(residuals, left_mm, |_| true),
         neighbours_mm: noise.neighbours_mm2.sqrt(),
         effective_samples: samples as f64 * noise.variance_mm2 / noise.long_run_mm2,
+        samples,
         explained: explained.map(|explained| explained.share),
         explained_interval: explained.map(|explained| explained.interval),
         smallest_mm: residuals.rms_mm(thresholds::threshold_mm2(&beside)),
@@ -145,7 +146,6 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         off_times: times::off(test, campaign),
         wrong_settings: corrected.as_ref().map_or_else(Vec::new, |now| now.wrong.clone()),
         left_out: campaign.left_out.iter().map(|(run, error)| LeftOut::of(run, error)).collect(),
-        samples,
         extended: None,
     };
     Ok(Diagnosis { extended: extended.map(|now| now.campaign), ..diagnosis })

@@ -1,5 +1,7 @@
 //! What a diagnosis says.
 
+use serde::Serialize;
+
 use crate::diagnose::account::arcs::ArcShare;
 use crate::diagnose::account::gain::{ProgramGain, RunGain};
 use crate::diagnose::account::left_out::LeftOut;
@@ -13,6 +15,7 @@ use crate::diagnose::views::view::View;
 use crate::identify::Campaign;
 use crate::model::Effect;
 use crate::residual::{Element, Owner, Structure};
+use crate::written::um;
 
 /// One effect that the model lacks.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,25 +47,31 @@ impl Finding {
 }
 
 /// Root mean squares over all runs.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Verdict {
     /// Residual of the model, mm.
+    #[serde(rename = "before_um", serialize_with = "um")]
     pub before_mm: f64,
     /// Residual of the extended model, mm.
+    #[serde(rename = "after_um", serialize_with = "um")]
     pub after_mm: f64,
     /// What repeats of the one; `None` where no program ran twice.
     pub structure_before: Option<Structure>,
     /// And of the other.
     pub structure_after: Option<Structure>,
     /// What differs between neighbouring readings by chance, as noise of one reading, mm.
+    #[serde(rename = "neighbours_um", serialize_with = "um")]
     pub neighbours_mm: f64,
     /// How many independent readings tell as much as all do.
     pub effective_samples: f64,
+    /// Samples that were looked at.
+    pub samples: usize,
     /// Mean of [`RunGain::explained`] over what was there to explain.
     pub explained: Option<f64>,
     /// Its 95 % interval.
     pub explained_interval: Option<[f64; 2]>,
     /// Effects smaller than this would not have been named, mm rms.
+    #[serde(rename = "smallest_um", serialize_with = "um")]
     pub smallest_mm: f64,
 }
 
@@ -93,8 +102,6 @@ pub struct Diagnosis {
     pub off_times: Vec<OffTime>,
     /// Runs that took no part, with the reason.
     pub left_out: Vec<LeftOut>,
-    /// Samples that were looked at.
-    pub samples: usize,
     /// The campaign identified anew with the effects; `None` where there are none.
     pub extended: Option<Campaign>,
 }

@@ -8,7 +8,7 @@ use super::{timing, words};
 use crate::align::{Place, TimeMap};
 use crate::error::{Error, Kind, Result};
 use crate::model::Model;
-use crate::plan::Loss;
+use crate::solve::Loss;
 use crate::solve::{self, Matrix, Solution, Spectrum, Triangle, Truncation, Tsqr};
 
 /// A direction is observed when a combination of errors of this size each (rms over the measured
@@ -383,11 +383,10 @@ impl<'a> Fit<'a> {
 
     /// Robust weights from the present residuals.
     fn reweigh(&mut self) {
-        let loss = match self.options.loss {
-            Loss::Off => return,
-            Loss::Huber => solve::Loss::Huber,
-            Loss::Tukey => solve::Loss::Tukey,
-        };
+        let loss = self.options.loss;
+        if loss == Loss::Off {
+            return;
+        }
         let records = self.records();
         let mut used: Vec<f64> =
             records.iter().flatten().filter(|r| r.used).map(|r| r.residual_mm).collect();

@@ -1,7 +1,8 @@
 //! What an identification is given: runs, and how to take them.
 
 use crate::align::Alignment;
-use crate::plan::{Loss, Test};
+use crate::plan::Test;
+use crate::solve::Loss;
 
 /// How to identify.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -20,7 +20,7 @@ pub use arc::Arc;
 pub use clearance::{LeastClearance, Part};
 pub use design_request::{Criterion, DesignRequest, Places};
 pub use operator::Operator;
-pub use parts::{BallBar, Estimation, Loss, NamedMounting, PathPlan, Run};
+pub use parts::{BallBar, Estimation, NamedMounting, PathPlan, Run};
 pub use path::{Path, Step};
 pub use strategy::Strategy;
 pub use test_file::Test;

@@ -2,12 +2,11 @@
 
 use std::path::PathBuf;
 
-use serde::Deserialize;
-
 use super::arc::Arc;
 use super::strategy::Strategy;
 use crate::machine::Mounting;
 use crate::model::{Empirical, ModelFile};
+use crate::solve::Loss;
 
 /// The instrument.
 #[derive(Debug, Clone, PartialEq)]
@@ -118,19 +117,6 @@ impl Estimation {
         self.terms.clone_from(&model.terms);
         self.curves.clone_from(&model.curves);
     }
-}
-
-/// How far-off samples are weighted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Loss {
-    /// All alike.
-    #[default]
-    Off,
-    /// Huber's.
-    Huber,
-    /// Tukey's biweight.
-    Tukey,
 }
 
 /// One measured run.

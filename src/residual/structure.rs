@@ -10,6 +10,8 @@
 use std::iter::Sum;
 use std::ops::Add;
 
+use serde::ser::{Serialize, SerializeStruct, Serializer};
+
 use super::column::Column;
 use super::residuals::{Repeat, Residuals, Run};
 
@@ -29,6 +31,18 @@ impl Structure {
     /// Root mean square of what repeats, mm; 0 where chance makes the variance negative.
     pub fn rms_mm(&self) -> f64 {
         self.variance_mm2.max(0.0).sqrt()
+    }
+}
+
+/// In um and um².
+impl Serialize for Structure {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        const UM: f64 = 1e3;
+        let mut fields = serializer.serialize_struct("Structure", 3)?;
+        fields.serialize_field("rms_um", &(self.rms_mm() * UM))?;
+        fields.serialize_field("variance_um2", &(self.variance_mm2 * UM * UM))?;
+        fields.serialize_field("sigma_um2", &(self.sigma_mm2 * UM * UM))?;
+        fields.end()
     }
 }
 

@@ -24,7 +24,7 @@ fn designed() -> String {
 fn a_pivot_on_the_base_that_the_machine_file_has_on_the_carriage() {
     let work = Work::new();
     let (found, text) = diagnosed(&designed(), "pivot:on=Z", &work);
-    let told = "The pivot of Z is not on the carriage, as the machine file has it";
+    let told = "The pivot of Z is not on the carriage, as the machine file states";
     assert!(text.contains(told) && text.contains("`pivot = \"base\"`"), "{text}");
     let wrong = &found["wrong_settings"][0];
     assert_eq!(wrong["effect"], "pivot:on=Z", "{wrong}");

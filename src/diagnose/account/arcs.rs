@@ -1,26 +1,34 @@
 //! How much of what is left on each arc repeats from run to run.
 
+use serde::Serialize;
+
 use crate::identify::Campaign;
 use crate::residual::{Column, Products, Residuals, products};
+use crate::written::um;
 
 /// An arc over all runs of one program.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ArcShare {
     /// Its name in the program.
     pub name: String,
     /// Feed, mm/min.
     pub feed_mm_min: f64,
     /// Runs that drove it.
+    #[serde(rename = "run_count")]
     pub runs: usize,
     /// Samples.
     pub samples: usize,
     /// Residual of the model, mm rms.
+    #[serde(rename = "before_um", serialize_with = "um")]
     pub before_mm: f64,
     /// Residual of the extended model, mm rms.
+    #[serde(rename = "after_um", serialize_with = "um")]
     pub after_mm: f64,
     /// Share of the variance before that repeats; `None` where no other run drove it.
+    #[serde(rename = "structure_share_before")]
     pub structure_before: Option<f64>,
     /// Share of the variance after that repeats.
+    #[serde(rename = "structure_share_after")]
     pub structure_after: Option<f64>,
 }
 

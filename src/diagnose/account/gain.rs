@@ -6,9 +6,11 @@
 //! the repeat's own.
 
 use rayon::prelude::*;
+use serde::Serialize;
 
 use crate::residual::{self, Beside, Column, Fitted, Owner, Residuals, Structure};
 use crate::solve::dot;
+use crate::written::um;
 
 /// Less than this part of the variance before is nothing to explain.
 const NOTHING: f64 = 0.02;
@@ -16,32 +18,37 @@ const NOTHING: f64 = 0.02;
 const NORMAL_95: f64 = 1.96;
 
 /// Root mean squares of one run that took no part in the fit of the effects.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RunGain {
     /// Name of the run.
     pub run: String,
     /// Samples.
     pub samples: usize,
     /// Without the effects, mm.
+    #[serde(rename = "before_um", serialize_with = "um")]
     pub before_mm: f64,
     /// With the effects as the other repeats have them, mm.
+    #[serde(rename = "after_um", serialize_with = "um")]
     pub after_mm: f64,
     /// What does not repeat from run to run, mm; what all effects together leave where nothing repeats.
+    #[serde(rename = "floor_um", serialize_with = "um")]
     pub floor_mm: f64,
     /// `(before² - after²) / (before² - floor²)`; `None` where nothing was there to explain.
     pub explained: Option<f64>,
 }
 
 /// The effects as runs of the other programs have them.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ProgramGain {
     /// Runs that took no part: all of one program.
     pub runs: Vec<String>,
     /// The largest feed in their arcs, mm/min.
     pub feed_mm_min: f64,
     /// Without the effects, mm.
+    #[serde(rename = "before_um", serialize_with = "um")]
     pub before_mm: f64,
     /// With the effects as the runs of all other programs have them, mm.
+    #[serde(rename = "after_um", serialize_with = "um")]
     pub after_mm: f64,
 }
 

@@ -1,11 +1,14 @@
 //! Runs that took no part, with the reason.
 
+use serde::Serialize;
+
 use crate::error::Error;
 
 /// Runs that took no part.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct LeftOut {
     /// Name of the run, or names of the runs of one repeat.
+    #[serde(rename = "run")]
     pub runs: String,
     /// Why, in a sentence without a full stop.
     pub reason: String,

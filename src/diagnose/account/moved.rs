@@ -1,11 +1,13 @@
 //! Coefficients that were biased by what the model lacked.
 
+use serde::Serialize;
+
 use crate::identify::{Campaign, Estimate};
 use crate::residual::{Fitted, Residuals};
 use crate::solve::dot;
 
 /// A coefficient that was biased by what the model lacked.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Moved {
     /// Its name.
     pub name: String,

@@ -1,10 +1,12 @@
 //! The numbers of a finding with their uncertainty.
 
+use serde::Serialize;
+
 use crate::model::{AMPLITUDE, Effect, Kind, Shape};
 use crate::residual::{Fitted, Owner, Residuals};
 
 /// A number of a finding, as it is written.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Number {
     /// Its name with its unit, such as `amplitude_um`.
     pub name: String,

@@ -3,6 +3,8 @@
 //! From engagement to release a log takes longer than the program by a factor. What the clock's tolerance
 //! does not cover the alignment has taken for the feed; one factor cannot say which of the two it was.
 
+use serde::Serialize;
+
 use crate::identify::Campaign;
 use crate::plan::Test;
 
@@ -10,7 +12,7 @@ use crate::plan::Test;
 const WHOLE_PERCENT: f64 = 0.05;
 
 /// One run whose time differs from what the test file says.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OffTime {
     /// Name of the run.
     pub run: String,
@@ -22,15 +24,28 @@ pub struct OffTime {
     pub sigma_percent: f64,
     /// By how much the clock would be off instead, parts per million.
     pub clock_ppm: f64,
-    /// What the test file says that a clock may be off, parts per million.
-    pub tolerance_ppm: f64,
+    /// Which of the two it is, as far as one factor can say.
+    pub cause: OffCause,
 }
 
-impl OffTime {
-    /// Whether the override stood at a whole percent, as a knob does.
-    pub fn is_feed(&self) -> bool {
-        (self.percent - self.percent.round()).abs() < WHOLE_PERCENT + self.sigma_percent
-            && (self.percent - self.stated_percent).abs() > 0.5
+/// What is likelier to be stated wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum OffCause {
+    /// The override: it stood at a whole percent, as a knob does.
+    FeedOverride,
+    /// The clock.
+    Clock,
+}
+
+impl OffCause {
+    fn of(stated_percent: f64, percent: f64, sigma_percent: f64) -> Self {
+        let whole = (percent - percent.round()).abs() < WHOLE_PERCENT + sigma_percent;
+        if whole && (percent - stated_percent).abs() > 0.5 {
+            Self::FeedOverride
+        } else {
+            Self::Clock
+        }
     }
 }
 
@@ -47,13 +62,15 @@ pub(crate) fn off(test: &Test, campaign: &Campaign) -> Vec<OffTime> {
         let stated_percent = 100.0 * stated(&run.name);
         let total = run.alignment.trajectory.duration();
         let share = total.feed_s / total.known_s().max(1e-9);
+        let percent = stated_percent * (1.0 + map.override_excess);
+        let sigma_percent = stated_percent * map.override_sigma;
         OffTime {
             run: run.name.clone(),
             stated_percent,
-            percent: stated_percent * (1.0 + map.override_excess),
-            sigma_percent: stated_percent * map.override_sigma,
+            percent,
+            sigma_percent,
             clock_ppm: 1e6 * (map.rate + map.override_excess * share),
-            tolerance_ppm: 1e6 * test.bar_of(run.mounting).clock_tolerance,
+            cause: OffCause::of(stated_percent, percent, sigma_percent),
         }
     })
     .collect()

@@ -3,7 +3,9 @@
 //! What the model spans anyway, a cubic over the position of a slide or a constant over anything else, is
 //! in the knots by chance: it is taken off first, by a fit that heeds large values less and less.
 
-use crate::model::Variable;
+use serde::Serialize;
+
+use crate::model::{Seat, Variable, place};
 use crate::residual::Element;
 use crate::solve::{Cholesky, Matrix, median};
 
@@ -13,18 +15,32 @@ const FITS: usize = 6;
 const OUTSTANDING: f64 = 3.0;
 
 /// The largest part of a curve.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Feature {
-    /// The knots, in the unit of the curve's variable.
-    pub knots: Vec<f64>,
-    /// The curve at the knots without its trend, mm or rad.
-    pub values: Vec<f64>,
+    /// What the curve hangs on, such as `position of X`.
+    pub variable: String,
+    /// Unit of the variable.
+    pub variable_unit: &'static str,
+    /// Unit of the curve: `um` or `urad`.
+    pub unit: &'static str,
     /// Where it is largest, midway between the places of half the height, in the unit of the variable.
     pub at: f64,
-    /// How large it is there, with its sign, mm or rad.
+    /// How large it is there, with its sign, in the unit of the curve.
     pub height: f64,
     /// Width at half the height, in the unit of the variable.
     pub width: f64,
+    /// The knots, in the unit of the variable.
+    pub knots: Vec<f64>,
+    /// The curve at the knots without its trend, in the unit of the curve.
+    pub values: Vec<f64>,
+}
+
+/// The unit in which what acts on a seat is shown, and the factor that leads to it from mm or rad.
+pub(super) fn shown_in(seat: Seat) -> (&'static str, f64) {
+    match seat {
+        Seat::Function(_, component) if component.is_angular() => ("urad", 1e6),
+        _ => ("um", 1e3),
+    }
 }
 
 impl Feature {
@@ -45,7 +61,23 @@ impl Feature {
         let height = values[top];
         let left = half(&knots[..=top], &values[..=top], height, true);
         let right = half(&knots[top..], &values[top..], height, false);
-        Some(Self { at: 0.5 * (left + right), height, width: right - left, knots, values })
+        let (unit, factor) = shown_in(curve.seat);
+        Some(Self {
+            variable: curve.variable.to_string(),
+            variable_unit: curve.variable.unit(),
+            unit,
+            at: 0.5 * (left + right),
+            height: height * factor,
+            width: right - left,
+            knots,
+            values: values.iter().map(|value| value * factor).collect(),
+        })
+    }
+
+    /// The curve somewhere, in its unit.
+    pub(super) fn value(&self, at: f64) -> f64 {
+        let (first, share) = place(&self.knots, at);
+        (1.0 - share) * self.values[first] + share * self.values[first + 1]
     }
 }
 
@@ -103,7 +135,7 @@ fn without_trend(knots: &[f64], values: &[f64], degree: usize) -> Option<Vec<f64
 mod tests {
     use super::*;
     use crate::machine::Axis;
-    use crate::model::{Empirical, Form, Seat};
+    use crate::model::{Empirical, Form};
     use crate::residual::Owner;
 
     #[test]
@@ -121,7 +153,7 @@ mod tests {
         let element = Element::new(Form::Empirical(curve), Owner::All);
         let feature = Feature::of(&element, &values).unwrap();
         assert!((feature.at - 42.0).abs() < 1.0, "{}", feature.at);
-        assert!((feature.height / 2e-3 - 1.0).abs() < 0.1, "{}", feature.height);
+        assert!((feature.height / 2.0 - 1.0).abs() < 0.1, "{}", feature.height);
         // Full width at half the height of a normal curve is 2.355 of its sigma.
         assert!((feature.width / (2.355 * 9.0) - 1.0).abs() < 0.15, "{}", feature.width);
     }

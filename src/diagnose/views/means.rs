@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::sample::Shown;
-use super::view::{Bin, Kind, View};
+use super::view::{Bin, Kind, Subject, View};
 use crate::machine::Axis;
 use crate::model::Variable;
 
@@ -97,6 +97,19 @@ impl Against {
             Self::Feed => "mm/min",
         }
     }
+
+    fn subject(self) -> Subject {
+        match self {
+            Self::Position(_) => Subject::Position,
+            Self::Velocity(_) => Subject::Velocity,
+            Self::SinceReversal(axis) => Subject::SinceReversal(axis),
+            Self::Elapsed => Subject::Elapsed,
+            Self::Azimuth => Subject::Azimuth,
+            Self::Polar => Subject::PolarAngle,
+            Self::Feed => Subject::Feed,
+            Self::Circle(_) => Subject::Circle,
+        }
+    }
 }
 
 /// What is looked at, in fixed order.
@@ -133,6 +146,7 @@ pub(crate) fn views(all: &[Shown], circles: &[String], long_run_mm2: f64) -> Vec
             let sums = Sums::new(all, |shown| (against.of(shown), weight.of(shown)))?;
             let (width, share_before, share_after) = sums.best();
             Some(View {
+                subject: against.subject(),
                 variable: against.name(circles),
                 counted,
                 unit: against.unit(),

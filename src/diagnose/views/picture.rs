@@ -4,6 +4,9 @@
 //! of the length to the effect's seat, `c` the fitted effect and `e` what is left after all of them; the curve
 //! is the fitted effect itself, the same way.
 
+use serde::Serialize;
+
+use super::feature::{Feature, shown_in};
 use crate::model::{Dependence, Kind, Seat, Variable};
 use crate::residual::{Column, Element, Fitted, Owner, Residuals};
 
@@ -15,27 +18,27 @@ const WORTH_SHOWING: f64 = 0.02;
 const DECAYS: f64 = 6.0;
 
 /// A point of a picture.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Point {
     /// In the unit of the picture's variable.
     pub at: f64,
-    /// The effect with what is left around it, mm or rad of its seat.
+    /// The effect with what is left around it, in the unit of the picture.
     pub measured: f64,
-    /// The effect as it was fitted, mm or rad.
+    /// The effect as it was fitted, in the unit of the picture.
     pub fitted: f64,
-    /// Standard deviation of `measured` by noise, mm or rad.
+    /// Standard deviation of `measured` by noise, in the unit of the picture.
     pub sigma: f64,
 }
 
-/// An effect over what it hangs on.
-#[derive(Debug, Clone, PartialEq)]
+/// An effect over what it hangs on; a curve without a cause without what the model spans anyway.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Picture {
-    /// What it hangs on, such as `position of X within a period`.
+    /// What it hangs on, such as `position of X, within a period`.
     pub variable: String,
     /// The unit of that.
+    pub variable_unit: &'static str,
+    /// The unit of the values: `um` or `urad`.
     pub unit: &'static str,
-    /// Whether values are rad, not mm.
-    pub angular: bool,
     /// The points, ascending.
     pub points: Vec<Point>,
 }
@@ -122,7 +125,8 @@ pub(crate) fn picture(
     let element_of = &fitted.elements[element];
     let Over { of, period, until } = over(element_of)?;
     let part = fitted.part(element);
-    let angular = matches!(of.seat, Seat::Function(_, component) if component.is_angular());
+    let (unit, factor) = shown_in(of.seat);
+    let feature = Feature::of(element_of, &fitted.amplitudes[element]);
     let effect_mm = part.sum(residuals);
     let mut samples: Vec<Placed> = Vec::new();
     for (index, repeat) in residuals.repeats.iter().enumerate() {
@@ -160,19 +164,21 @@ pub(crate) fn picture(
     let points = sums
         .into_iter()
         .filter(|sum| sum.count > 0.0 && sum.weight > WORTH_SHOWING * heaviest)
-        .map(|sum| Point {
-            at: sum.place / sum.count,
-            measured: sum.measured / sum.weight,
-            fitted: sum.fitted / sum.weight,
-            sigma: (long_run_mm2 / sum.weight).sqrt(),
+        .map(|sum| {
+            let at = sum.place / sum.count;
+            let left = (sum.measured / sum.weight - sum.fitted / sum.weight) * factor;
+            let of_curve = feature.as_ref().map(|feature| feature.value(at));
+            let fitted = of_curve.unwrap_or(sum.fitted / sum.weight * factor);
+            let sigma = (long_run_mm2 / sum.weight).sqrt() * factor;
+            Point { at, measured: left + fitted, fitted, sigma }
         })
         .collect();
     let variable = of.variable;
     let within = if period.is_some() { ", within a period" } else { "" };
     Some(Picture {
         variable: format!("{variable}{within}"),
-        unit: variable.unit(),
-        angular,
+        variable_unit: variable.unit(),
+        unit,
         points,
     })
 }

@@ -11,7 +11,7 @@ use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 
 use super::sample::Shown;
-use super::view::{Bin, Kind, View};
+use super::view::{Bin, Kind, Subject, View};
 use crate::machine::Axis;
 use crate::solve::median;
 
@@ -92,6 +92,7 @@ fn in_position(
     let (gain_before, gain_after) = gains(&parts, first, last);
     let bins = shown(&[&parts], step, first, last, long_run_mm2);
     Some(View {
+        subject: Subject::PositionSpectrum,
         variable: format!("spectrum over the position of {of}"),
         counted: format!("along {along}"),
         unit: "1/mm",
@@ -232,6 +233,7 @@ fn of_rate(runs: &[&[Shown]], period_s: f64, long_run_mm2: f64) -> Option<View> 
     };
     let parts: Vec<&[Part]> = transformed.iter().map(Vec::as_slice).collect();
     Some(View {
+        subject: Subject::TimeSpectrum,
         variable: "spectrum in time".into(),
         counted: format!("read at {:.0} Hz", 1.0 / period_s),
         unit: "Hz",
