@@ -69,7 +69,6 @@ pub fn identify(model: &Model, runs: Vec<RunInput>, options: &Options) -> Result
 /// The end of one round of Gauss-Newton.
 pub(super) struct Outcome {
     pub(super) solution: Solution,
-    pub(super) floor: f64,
     steps: usize,
 }
 
@@ -188,14 +187,14 @@ impl<'a> Fit<'a> {
                 || self.taking_part == residuals::taking_part(&self.runs, detail.guard_s());
             if settled && change / rows.sqrt() < NEGLIGIBLE * scatter.max(1e-12) {
                 self.sigma_mm *= scatter;
-                return Ok(Outcome { solution, floor, steps });
+                return Ok(Outcome { solution, steps });
             }
             // The smooth fit only has to come near, and a fit that still moves by a little of the noise is
             // a result.
             let near = detail == timing::Detail::Smooth || change / rows.sqrt() < NEARLY * scatter;
             if steps == MOST_STEPS && near {
                 self.sigma_mm *= scatter;
-                return Ok(Outcome { solution, floor, steps });
+                return Ok(Outcome { solution, steps });
             }
             if steps <= 2 {
                 self.sigma_mm = (self.sigma_mm * scatter).max(1e-3 * self.options.noise_mm);

@@ -63,8 +63,6 @@ impl Fit<'_> {
             estimates,
             correlation: Matrix::from_fn(count, count, |i, k| correlation[(i, k)]),
             rank: count - lost,
-            singular_values: spectrum.singular_values().to_vec(),
-            floor: outcome.floor,
             condition: spectrum.condition_of(outcome.solution.rank()),
             null_directions: spectrum.null_directions(outcome.solution.rank(), 0.02),
             noise,

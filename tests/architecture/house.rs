@@ -45,7 +45,18 @@ impl House {
             }
             house.files.insert(module, File { path, source: Source::read(&text) });
         }
-        house
+        // A parent that declares a module for tests only does not declare it here.
+        loop {
+            let declared = |module: &&String| {
+                let of = house.files.get(parent(module));
+                let name = module.rsplit("::").next().unwrap_or(module);
+                of.is_some_and(|of| of.source.modules.iter().any(|declared| declared == name))
+            };
+            let roots = |module: &&String| module.is_empty() || *module == "main";
+            let for_tests = house.files.keys().find(|m| !roots(m) && !declared(m)).cloned();
+            let Some(module) = for_tests else { return house };
+            house.files.remove(&module);
+        }
     }
 
     /// Modules of the crate that the table does not have, and rows that are no module.

@@ -21,17 +21,12 @@ fn house() -> House {
             let name = path.strip_prefix(root).unwrap().to_str().unwrap().replace('\\', "/");
             if path.is_dir() {
                 open.push(path);
-            } else if path.extension().is_some_and(|e| e == "rs") && !is_for_tests(&name) {
+            } else if path.extension().is_some_and(|e| e == "rs") {
                 files.push((name, std::fs::read_to_string(path).unwrap()));
             }
         }
     }
     House::new(files)
-}
-
-/// `tests.rs`, what is in a folder `tests`, and the fixture of the reports are compiled for tests only.
-fn is_for_tests(name: &str) -> bool {
-    name.contains("/tests") || name.ends_with("/fixture.rs")
 }
 
 fn small(files: &[(&str, &str)]) -> House {
@@ -102,7 +97,9 @@ fn a_room_that_is_not_in_the_table_is_told() {
 fn a_circle_is_told_with_what_closes_it() {
     let house = small(&[
         ("src/lib.rs", LIB),
-        ("src/low/mod.rs", "mod a;\nmod b;\nmod c;\nmod d;\npub use a::A;\n"),
+        ("src/low/mod.rs", "mod a;\nmod b;\nmod c;\nmod d;\npub use a::A;\n#[cfg(test)]\nmod e;\n"),
+        ("src/low/e.rs", "use super::e::f::G;\nuse crate::high::H;\nmod f;\n"),
+        ("src/low/e/f.rs", "use super::I;\n"),
         ("src/low/a.rs", "use super::b::{self, B};\n"),
         ("src/low/b.rs", "fn f() { super::c::inner::C::new() }\n"),
         ("src/low/c/mod.rs", "mod inner;\n"),
@@ -117,6 +114,7 @@ fn a_circle_is_told_with_what_closes_it() {
           \n  src/low/b.rs:1: super::c::inner::C::new -> src/low/c/inner.rs\
           \n  src/low/c/inner.rs:2: crate::low::A -> src/low/a.rs"]
     );
+    assert!(house.upward().is_empty(), "what is for tests only is left out");
     assert_eq!(
         house.roundabout(),
         [
