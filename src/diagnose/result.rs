@@ -14,8 +14,7 @@ use crate::diagnose::views::picture::Picture;
 use crate::diagnose::views::view::View;
 use crate::identify::Campaign;
 use crate::model::Effect;
-use crate::residual::element::{Element, Owner};
-use crate::residual::structure::Structure;
+use crate::residual::{Element, Owner, Structure};
 use crate::written::um;
 
 /// One effect that the model lacks.

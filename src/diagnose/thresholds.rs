@@ -1,7 +1,6 @@
 //! The numbers that decide what is named.
 
-use crate::residual::data::Data;
-use crate::residual::noise::Noise;
+use crate::residual::Beside;
 
 /// An effect of which less than this part of its square is left outside of the model is not seen.
 pub(crate) const SEEN: f64 = 4e-4;
@@ -16,7 +15,9 @@ pub(crate) const OF_A_CURVE: f64 = 0.95;
 pub(crate) const SHADOW: f64 = 0.25;
 
 /// The smallest score that counts, mm².
-pub(crate) fn threshold_mm2(data: &Data, noise: &Noise) -> f64 {
+pub(crate) fn threshold_mm2(beside: &Beside) -> f64 {
+    let noise = beside.noise();
     let chance = BEYOND_CHANCE * noise.long_run_mm2;
-    chance.max(WORTH_NAMING * WORTH_NAMING * noise.variance_mm2 * data.samples() as f64)
+    let samples = beside.residuals.samples() as f64;
+    chance.max(WORTH_NAMING * WORTH_NAMING * noise.variance_mm2 * samples)
 }

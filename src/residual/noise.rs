@@ -1,45 +1,43 @@
 //! What chance alone does to the residuals.
 
-use super::data::Data;
+use super::column::Column;
+use super::residuals::Residuals;
 use crate::solve::Autocovariances;
 
 /// Correlations of the noise are counted over this time, s.
 const CORRELATED_S: f64 = 2.0;
+/// And over so many readings at most.
+const MOST_LAGS: usize = 200;
 
 /// The noise of what is left.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[expect(clippy::struct_field_names, reason = "the unit is in every name")]
-pub(crate) struct Noise {
+pub struct Noise {
     /// Variance of one sample, mm².
-    pub(crate) variance_mm2: f64,
+    pub variance_mm2: f64,
     /// Half the mean square of the difference of neighbouring samples, mm².
-    pub(crate) neighbours_mm2: f64,
+    pub neighbours_mm2: f64,
     /// Variance of a mean of many neighbouring samples times their number, mm²: what an effect of one
     /// amplitude gains by chance. Effects that are still in the residual make it too large, not too small.
-    pub(crate) long_run_mm2: f64,
+    pub long_run_mm2: f64,
 }
 
 impl Noise {
-    /// Of what is left in the data.
-    pub(crate) fn of(data: &Data) -> Self {
-        Self::of_left(data, &data.left_mm)
-    }
-
-    /// Of other residuals of the same samples, mm.
-    pub(crate) fn of_left(data: &Data, left_mm: &[Vec<f64>]) -> Self {
+    /// Of what is left at the samples, mm.
+    pub fn of(residuals: &Residuals, left_mm: &Column) -> Self {
         let (mut variance, mut long_run, mut count) = (0.0, 0.0, 0.0_f64);
         let mut neighbours = 0.0;
-        for (block, left) in data.blocks.iter().zip(left_mm) {
-            for run in &block.runs {
-                let times = |k: usize| block.samples[k].situation.motion.elapsed_s;
+        for (repeat, left) in residuals.repeats.iter().zip(left_mm.iter()) {
+            for run in repeat.runs.iter().map(|run| &run.samples) {
+                let times = |k: usize| repeat.samples[k].elapsed_s();
                 let length_s =
                     if run.is_empty() { 0.0 } else { times(run.end - 1) - times(run.start) };
                 let period_s = (length_s / run.len().max(1) as f64).max(1e-6);
-                let lags = ((CORRELATED_S / period_s).ceil() as usize).clamp(1, 200);
+                let lags = ((CORRELATED_S / period_s).ceil() as usize).clamp(1, MOST_LAGS);
                 let mut sums = Autocovariances::new(lags);
                 let mut first = run.start;
                 for k in run.clone() {
-                    if k + 1 == run.end || block.arcs[k + 1] != block.arcs[first] {
+                    let arc = repeat.samples[first].arc;
+                    if k + 1 == run.end || repeat.samples[k + 1].arc != arc {
                         sums.push_segment(&left[first..=k]);
                         first = k + 1;
                     }
@@ -62,5 +60,11 @@ impl Noise {
             neighbours_mm2: neighbours / count,
             long_run_mm2: long_run / count,
         }
+    }
+
+    /// What numbers may gain that are not there, mm²: twice what chance gives each on average, as Akaike's
+    /// criterion has it. Of two explanations the one that gains more beyond this foretells better.
+    pub fn by_chance_mm2(&self, numbers: usize) -> f64 {
+        2.0 * numbers as f64 * self.long_run_mm2
     }
 }

@@ -1,4 +1,4 @@
-//! What repeats: the structure that runs of the same program have in common.
+//! The repeatable part of a residual: the structure that runs of the same program have in common.
 //!
 //! Noise of one run knows nothing of that of another, so the mean product of their residuals at the same
 //! place of the program is the variance of what they share, whatever the noise is like:
@@ -7,9 +7,13 @@
 //!
 //! and what is left of the variance, `e² - structure²`, is the repeatability floor.
 
+use std::iter::Sum;
+use std::ops::Add;
+
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
-use super::data::Data;
+use super::column::Column;
+use super::residuals::{Repeat, Residuals, Run};
 
 /// Readings farther apart than so many periods are not interpolated between.
 const GAP_PERIODS: f64 = 2.5;
@@ -42,69 +46,106 @@ impl Serialize for Structure {
     }
 }
 
-/// What repeats of some residuals, one number a sample of each block, in runs that `takes_part` names
-/// (block, run); `None` where no program ran twice.
-pub(crate) fn structure(
-    data: &Data,
-    residuals_mm: &[Vec<f64>],
-    takes_part: impl Fn(usize, usize) -> bool,
-) -> Option<Structure> {
-    let arcs = products(data, residuals_mm, takes_part);
-    let (sum, count) = arcs.iter().fold((0.0, 0.0), |(s, n), arc| (s + arc.0, n + arc.1));
-    if count == 0.0 {
-        return None;
-    }
-    let mean = sum / count;
-    let used = arcs.iter().filter(|arc| arc.1 > 0.0);
-    let squares: f64 = used.map(|arc| (arc.0 - mean * arc.1).powi(2)).sum();
-    Some(Structure { variance_mm2: mean, sigma_mm2: squares.sqrt() / count })
+/// Products of residuals of two runs at the same place of their program.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Products {
+    /// Their sum, mm².
+    pub sum_mm2: f64,
+    /// How many.
+    pub count: f64,
 }
 
-/// Sums of `e_i e_k` over all pairs of runs and their numbers, by the arc of the first of the pair.
-pub(crate) fn products(
-    data: &Data,
-    residuals_mm: &[Vec<f64>],
-    takes_part: impl Fn(usize, usize) -> bool,
-) -> Vec<(f64, f64)> {
-    let runs: Vec<(usize, usize)> = data
-        .blocks
-        .iter()
-        .enumerate()
-        .flat_map(|(b, block)| (0..block.runs.len()).map(move |run| (b, run)))
+impl Add for Products {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { sum_mm2: self.sum_mm2 + other.sum_mm2, count: self.count + other.count }
+    }
+}
+
+impl Sum for Products {
+    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
+        all.fold(Self::default(), Self::add)
+    }
+}
+
+/// What repeats of some residuals (mm, one number a sample), in pairs of runs of which one drove a program
+/// that `takes_part`; `None` where no program ran twice.
+pub fn structure(
+    residuals: &Residuals,
+    left_mm: &Column,
+    takes_part: impl Fn(usize) -> bool,
+) -> Option<Structure> {
+    let arcs = products(residuals, left_mm, takes_part);
+    let all: Products = arcs.iter().copied().sum();
+    if all.count == 0.0 {
+        return None;
+    }
+    let mean = all.sum_mm2 / all.count;
+    let used = arcs.iter().filter(|arc| arc.count > 0.0);
+    let squares: f64 = used.map(|arc| (arc.sum_mm2 - mean * arc.count).powi(2)).sum();
+    Some(Structure { variance_mm2: mean, sigma_mm2: squares.sqrt() / all.count })
+}
+
+/// Products over all pairs of runs of one program, by the arc of the first of the pair.
+pub fn products(
+    residuals: &Residuals,
+    left_mm: &Column,
+    takes_part: impl Fn(usize) -> bool,
+) -> Vec<Products> {
+    let runs: Vec<Driven> = residuals
+        .runs()
+        .map(|(repeat, run)| {
+            let of = &residuals.repeats[repeat];
+            Driven { repeat: of, run: &of.runs[run], left_mm: &left_mm[repeat] }
+        })
         .collect();
-    let mut arcs: Vec<(f64, f64)> = vec![(0.0, 0.0); data.arcs];
-    for (index, &(a, run_a)) in runs.iter().enumerate() {
-        for &(b, run_b) in &runs[index + 1..] {
-            let same = data.blocks[a].programs[run_a] == data.blocks[b].programs[run_b];
-            if !same || !(takes_part(a, run_a) || takes_part(b, run_b)) {
-                continue;
-            }
-            let first = &data.blocks[a];
-            let range = data.blocks[b].runs[run_b].clone();
-            let times_s = &data.blocks[b].program_s[range.clone()];
-            let values = &residuals_mm[b][range.clone()];
-            let arcs_b = &data.blocks[b].arcs[range];
-            let length_s = times_s.last().unwrap_or(&0.0) - times_s.first().unwrap_or(&0.0);
-            let longest_s = GAP_PERIODS * length_s / times_s.len().max(1) as f64;
-            let mut after = 0;
-            for k in first.runs[run_a].clone() {
-                let time_s = first.program_s[k];
-                while after < times_s.len() && times_s[after] < time_s {
-                    after += 1;
-                }
-                if after == 0 || after == times_s.len() || arcs_b[after] != arcs_b[after - 1] {
-                    continue;
-                }
-                let step_s = times_s[after] - times_s[after - 1];
-                if step_s > longest_s {
-                    continue;
-                }
-                let share = (time_s - times_s[after - 1]) / step_s;
-                let other = (1.0 - share) * values[after - 1] + share * values[after];
-                let arc = &mut arcs[first.arcs[k]];
-                *arc = (arc.0 + residuals_mm[a][k] * other, arc.1 + 1.0);
+    let mut arcs = vec![Products::default(); residuals.arcs];
+    for (index, first) in runs.iter().enumerate() {
+        for second in &runs[index + 1..] {
+            if first.run.program == second.run.program && takes_part(first.run.program) {
+                first.add_products(second, &mut arcs);
             }
         }
     }
     arcs
+}
+
+/// A run with its residuals.
+struct Driven<'a> {
+    repeat: &'a Repeat,
+    run: &'a Run,
+    left_mm: &'a [f64],
+}
+
+impl Driven<'_> {
+    /// Adds the products with another run of the same program, which is interpolated, to the arcs of this one.
+    fn add_products(&self, other: &Self, arcs: &mut [Products]) {
+        let range = other.run.samples.clone();
+        let samples = &other.repeat.samples[range.clone()];
+        let values = &other.left_mm[range];
+        let (Some(first), Some(last)) = (samples.first(), samples.last()) else { return };
+        let longest_s = GAP_PERIODS * (last.program_s - first.program_s) / samples.len() as f64;
+        let mut after = 0;
+        for k in self.run.samples.clone() {
+            let sample = &self.repeat.samples[k];
+            let time_s = sample.program_s;
+            while after < samples.len() && samples[after].program_s < time_s {
+                after += 1;
+            }
+            if after == 0 || after == samples.len() || samples[after].arc != samples[after - 1].arc
+            {
+                continue;
+            }
+            let before_s = samples[after - 1].program_s;
+            let step_s = samples[after].program_s - before_s;
+            if step_s > longest_s {
+                continue;
+            }
+            let share = (time_s - before_s) / step_s;
+            let there = (1.0 - share) * values[after - 1] + share * values[after];
+            let here = Products { sum_mm2: self.left_mm[k] * there, count: 1.0 };
+            arcs[sample.arc] = arcs[sample.arc] + here;
+        }
+    }
 }

@@ -138,7 +138,7 @@ impl Stage {
         let mut outside_mm = Vec::new();
         let (mut squares, mut largest_mm) = (0.0, 0.0_f64);
         for block in &self.blocks {
-            let mut change: Vec<f64> = block
+            let change: Vec<f64> = block
                 .readings
                 .iter()
                 .zip(&block.linear.samples)
@@ -150,17 +150,7 @@ impl Stage {
                 .collect();
             squares += change.iter().map(|c| c * c).sum::<f64>();
             largest_mm = change.iter().fold(largest_mm, |most, c| most.max(c.abs()));
-            let rank = block.linear.rank.max(1);
-            let mut along = vec![0.0; rank];
-            for (c, row) in change.iter().zip(block.linear.q.chunks_exact(rank)) {
-                for (a, q) in along.iter_mut().zip(row) {
-                    *a += c * q;
-                }
-            }
-            for (c, row) in change.iter_mut().zip(block.linear.q.chunks_exact(rank)) {
-                *c -= row.iter().zip(&along).map(|(q, a)| q * a).sum::<f64>();
-            }
-            outside_mm.extend(change);
+            outside_mm.extend(block.linear.basis.outside(&change));
         }
         let outside: f64 = outside_mm.iter().map(|c| c * c).sum();
         let share = if squares > 0.0 { (outside / squares).sqrt() } else { 0.0 };

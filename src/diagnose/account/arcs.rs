@@ -2,10 +2,8 @@
 
 use serde::Serialize;
 
-use crate::align::Place;
 use crate::identify::Campaign;
-use crate::residual::data::Data;
-use crate::residual::structure;
+use crate::residual::{Column, Products, Residuals, products};
 use crate::written::um;
 
 /// An arc over all runs of one program.
@@ -34,38 +32,62 @@ pub struct ArcShare {
     pub structure_after: Option<f64>,
 }
 
+/// Which arc: the program, and the section of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+struct Key {
+    program: usize,
+    section: usize,
+}
+
 /// Sums of one arc of one program.
 #[derive(Debug, Default)]
 struct Sums {
     name: String,
-    /// Program, and the arc's number in it.
-    key: (usize, usize),
+    key: Key,
     feed_mm_min: f64,
     runs: usize,
     samples: f64,
-    before: f64,
-    after: f64,
-    products_before: (f64, f64),
-    products_after: (f64, f64),
+    before_mm2: f64,
+    after_mm2: f64,
+    products_before: Products,
+    products_after: Products,
 }
 
-/// The arcs of all programs, in the order in which they are driven. The campaign is the one that the data are
-/// linear about: with another one samples and arcs would not be the same.
-pub(crate) fn arcs(data: &Data, campaign: &Campaign, after_mm: &[Vec<f64>]) -> Vec<ArcShare> {
-    let before_mm = data.residuals_mm();
-    let before = structure::products(data, &before_mm, |_, _| true);
-    let after = structure::products(data, after_mm, |_, _| true);
+impl Sums {
+    fn share(self) -> ArcShare {
+        let (before_mm2, after_mm2) =
+            (self.before_mm2 / self.samples, self.after_mm2 / self.samples);
+        let share = |of: Products, mean_mm2: f64| {
+            (of.count > 0.0 && mean_mm2 > 0.0).then(|| of.sum_mm2 / of.count / mean_mm2)
+        };
+        ArcShare {
+            name: self.name,
+            feed_mm_min: self.feed_mm_min,
+            runs: self.runs,
+            samples: self.samples as usize,
+            before_mm: before_mm2.sqrt(),
+            after_mm: after_mm2.sqrt(),
+            structure_before: share(self.products_before, before_mm2),
+            structure_after: share(self.products_after, after_mm2),
+        }
+    }
+}
+
+/// The arcs of all programs, in the order in which they are driven. The campaign is the one that the residuals
+/// are of: it knows the names of the sections.
+pub(crate) fn arcs(residuals: &Residuals, campaign: &Campaign, after_mm: &Column) -> Vec<ArcShare> {
+    let before = products(residuals, &residuals.model_mm, |_| true);
+    let after = products(residuals, after_mm, |_| true);
     let mut all: Vec<Sums> = Vec::new();
-    for (index, (block, repeat)) in data.blocks.iter().zip(&campaign.repeats).enumerate() {
-        for (run, range) in block.runs.iter().enumerate() {
-            let alignment = &repeat.runs[run].alignment;
+    for (index, repeat) in residuals.repeats.iter().enumerate() {
+        for (number, run) in repeat.runs.iter().enumerate() {
+            let sections = &campaign.repeats[index].runs[number].alignment.sections;
             let mut last = None;
-            for k in range.clone() {
-                let place = alignment.samples[block.samples[k].sample].place;
-                let Place::Arc(section) = place else { continue };
-                let key = (block.programs[run], section);
+            for k in run.samples.clone() {
+                let sample = &repeat.samples[k];
+                let key = Key { program: run.program, section: sample.section };
                 let at = all.iter().position(|sums| sums.key == key).unwrap_or_else(|| {
-                    let section = &alignment.sections[section];
+                    let section = &sections[key.section];
                     all.push(Sums {
                         name: section.name.clone(),
                         key,
@@ -78,33 +100,14 @@ pub(crate) fn arcs(data: &Data, campaign: &Campaign, after_mm: &[Vec<f64>]) -> V
                 if last != Some(key) {
                     last = Some(key);
                     sums.runs += 1;
-                    let arc = block.arcs[k];
-                    let add =
-                        |to: &mut (f64, f64), of: (f64, f64)| *to = (to.0 + of.0, to.1 + of.1);
-                    add(&mut sums.products_before, before[arc]);
-                    add(&mut sums.products_after, after[arc]);
+                    sums.products_before = sums.products_before + before[sample.arc];
+                    sums.products_after = sums.products_after + after[sample.arc];
                 }
                 sums.samples += 1.0;
-                sums.before += before_mm[index][k].powi(2);
-                sums.after += after_mm[index][k].powi(2);
+                sums.before_mm2 += residuals.model_mm[index][k].powi(2);
+                sums.after_mm2 += after_mm[index][k].powi(2);
             }
         }
     }
-    let share = |products: (f64, f64), mean_square: f64| {
-        (products.1 > 0.0 && mean_square > 0.0).then(|| products.0 / products.1 / mean_square)
-    };
-    let told = all.into_iter().map(|sums| {
-        let (before, after) = (sums.before / sums.samples, sums.after / sums.samples);
-        ArcShare {
-            name: sums.name,
-            feed_mm_min: sums.feed_mm_min,
-            runs: sums.runs,
-            samples: sums.samples as usize,
-            before_mm: before.sqrt(),
-            after_mm: after.sqrt(),
-            structure_before: share(sums.products_before, before),
-            structure_after: share(sums.products_after, after),
-        }
-    });
-    told.collect()
+    all.into_iter().map(Sums::share).collect()
 }

@@ -8,11 +8,14 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::residual::data::{Column, Data, dot};
-use crate::residual::element::Owner;
-use crate::residual::joint::{self, Fitted};
-use crate::residual::structure;
+use crate::residual::{self, Beside, Column, Fitted, Owner, Residuals, Structure};
+use crate::solve::dot;
 use crate::written::um;
+
+/// Less than this part of the variance before is nothing to explain.
+const NOTHING: f64 = 0.02;
+/// Standard deviations on either side of a 95 % interval of a normal variable.
+const NORMAL_95: f64 = 1.96;
 
 /// Root mean squares of one run that took no part in the fit of the effects.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -49,131 +52,156 @@ pub struct ProgramGain {
     pub after_mm: f64,
 }
 
-/// Less than this part of the variance before is nothing to explain.
-const NOTHING: f64 = 0.02;
+/// The gain on one arc of one run, over all its samples.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct ArcGain {
+    /// Sum of squares before less that after, mm².
+    gained_mm2: f64,
+    /// Sum of squares before less what does not repeat, mm².
+    there_mm2: f64,
+}
 
-/// What the effects leave in repeats that took no part: one number a sample, `None` where they cannot be
-/// fitted to the others.
-fn left_out(data: &Data, all: &Fitted, out: &[bool]) -> Option<Vec<Vec<f64>>> {
+/// Share of what was there that is explained.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Explained {
+    pub(crate) share: f64,
+    /// Its 95 % interval.
+    pub(crate) interval: [f64; 2],
+}
+
+/// What the effects leave in the repeats that are `out`: they took no part. Nothing of the others; `None`
+/// where the effects cannot be fitted to the others.
+fn left_out(alone: &Beside, all: &Fitted, out: &[bool]) -> Option<Column> {
+    let residuals = alone.residuals;
     let within: Vec<bool> = out.iter().map(|out| !out).collect();
-    let fitted = joint::fit_to(data, all.elements.clone(), &within)?;
-    let mut effect: Column = data.blocks.iter().map(|b| vec![0.0; b.samples.len()]).collect();
+    let fitted = residual::fit_to(alone, all.elements.clone(), &within)?;
+    let mut effect = residuals.zeros();
     for (index, element) in fitted.elements.iter().enumerate() {
         let foretold = element.owner == Owner::All;
         let amplitudes = if foretold { &fitted.amplitudes[index] } else { &all.amplitudes[index] };
         let element = if foretold { element } else { &all.elements[index] };
-        for (amplitude, column) in amplitudes.iter().zip(element.columns(data)) {
-            for (sum, own) in effect.iter_mut().zip(&column) {
-                for (s, c) in sum.iter_mut().zip(own) {
-                    *s += amplitude * c;
-                }
-            }
+        for (amplitude, column) in amplitudes.iter().zip(element.columns(residuals)) {
+            effect.add(*amplitude, &column);
         }
     }
-    for (block, out) in effect.iter_mut().zip(out) {
+    for (of_repeat, out) in effect.iter_mut().zip(out) {
         if !out {
-            block.clear();
+            of_repeat.clear();
         }
     }
-    let effect = data.projected(&effect);
-    let left =
-        data.blocks.iter().zip(&effect).map(|(block, effect)| {
-            block.residual_mm.iter().zip(effect).map(|(e, c)| e - c).collect()
-        });
-    Some(left.collect())
+    let effect = residuals.outside(&effect);
+    let pairs = residuals.model_mm.iter().zip(effect.iter());
+    Some(pairs.map(|(e, c)| e.iter().zip(c).map(|(e, c)| e - c).collect()).collect())
 }
 
-/// The gain on every run, and with it sums by arc: (before - after, before - floor), mm².
+/// The gain on every run, and on every arc; `fitted_mm` is what all effects together leave.
 pub(crate) fn by_run(
-    data: &Data,
-    fitted_mm: &[Vec<f64>],
+    alone: &Beside,
+    fitted_mm: &Column,
     all: Option<&Fitted>,
-) -> (Vec<RunGain>, Vec<(f64, f64)>) {
-    let many = data.blocks.len() > 1;
-    let after: Vec<Vec<f64>> = (0..data.blocks.len())
+) -> (Vec<RunGain>, Vec<ArcGain>) {
+    let residuals = alone.residuals;
+    let repeats = residuals.repeats.len();
+    let after: Vec<Vec<f64>> = (0..repeats)
         .into_par_iter()
         .map(|index| {
-            let out: Vec<bool> = (0..data.blocks.len()).map(|k| k == index).collect();
-            let left = all.filter(|_| many).and_then(|all| left_out(data, all, &out));
+            let out: Vec<bool> = (0..repeats).map(|k| k == index).collect();
+            let left = all.filter(|_| repeats > 1).and_then(|all| left_out(alone, all, &out));
             // With one repeat there is nothing to foretell from: what the fit itself leaves.
-            left.map_or_else(|| fitted_mm[index].clone(), |mut left| left.swap_remove(index))
+            left.map_or_else(|| fitted_mm[index].clone(), |left| left[index].clone())
         })
         .collect();
-    let before = data.residuals_mm();
+    let own = all.is_some_and(|all| all.elements.iter().any(|e| e.owner != Owner::All));
+    let shared = shared(residuals);
+    let before = &residuals.model_mm;
     let mut gains = Vec::new();
-    let mut arcs = vec![(0.0, 0.0); data.arcs];
-    for (index, block) in data.blocks.iter().enumerate() {
-        for (run, range) in block.runs.iter().enumerate() {
+    let mut arcs = vec![ArcGain::default(); residuals.arcs];
+    for (index, repeat) in residuals.repeats.iter().enumerate() {
+        for run in &repeat.runs {
+            let range = run.samples.clone();
             let samples = range.len().max(1) as f64;
             let mean =
                 |values: &[f64]| dot(&values[range.clone()], &values[range.clone()]) / samples;
-            let program = block.programs[run];
-            let repeats =
-                structure::structure(data, &before, |b, r| data.blocks[b].programs[r] == program);
-            let (was, is) = (mean(&before[index]), mean(&after[index]));
-            let own = all.is_some_and(|all| all.elements.iter().any(|e| e.owner != Owner::All));
+            let was = mean(&before[index]);
+            let is = mean(&after[index]);
             let left = mean(&fitted_mm[index]);
-            let floor = match repeats {
+            let floor = match shared[run.program] {
                 // What is finer than the readings repeats, but not at the same readings.
                 Some(structure) if !own => left.min(was - structure.variance_mm2.max(0.0)),
                 _ => left,
             };
             let there = was - floor;
-            let explained = (there > NOTHING * was).then(|| (was - is) / there);
             for k in range.clone() {
-                let arc = &mut arcs[block.arcs[k]];
+                let arc = &mut arcs[repeat.samples[k].arc];
                 let (b, a) = (before[index][k].powi(2), after[index][k].powi(2));
-                *arc = (arc.0 + b - a, arc.1 + b - floor);
+                arc.gained_mm2 = arc.gained_mm2 + b - a;
+                arc.there_mm2 = arc.there_mm2 + b - floor;
             }
             gains.push(RunGain {
-                run: block.names[run].clone(),
+                run: run.name.clone(),
                 samples: range.len(),
                 before_mm: was.sqrt(),
                 after_mm: is.sqrt(),
                 floor_mm: floor.max(0.0).sqrt(),
-                explained,
+                explained: (there > NOTHING * was).then(|| (was - is) / there),
             });
         }
     }
     (gains, arcs)
 }
 
+/// What the runs of each program share of what the model leaves.
+fn shared(residuals: &Residuals) -> Vec<Option<Structure>> {
+    let of_runs = residuals.repeats.iter().flat_map(|repeat| &repeat.runs);
+    let programs = of_runs.map(|run| run.program + 1).max().unwrap_or(0);
+    let of = |program| residual::structure(residuals, &residuals.model_mm, |p| p == program);
+    (0..programs).into_par_iter().map(of).collect()
+}
+
 /// Share of what was there that is explained, over all arcs, with its 95 % interval by leaving out one arc
 /// after the other.
-pub(crate) fn explained(arcs: &[(f64, f64)]) -> Option<(f64, [f64; 2])> {
-    let (gain, there) = arcs.iter().fold((0.0, 0.0), |(g, t), arc| (g + arc.0, t + arc.1));
+pub(crate) fn explained(arcs: &[ArcGain]) -> Option<Explained> {
+    let gain: f64 = arcs.iter().map(|arc| arc.gained_mm2).sum();
+    let there: f64 = arcs.iter().map(|arc| arc.there_mm2).sum();
     if there <= 0.0 || gain <= 0.0 {
         return None;
     }
     let share = gain / there;
     let count = arcs.len() as f64;
-    let without = arcs.iter().map(|arc| (gain - arc.0) / (there - arc.1));
+    let without = arcs.iter().map(|arc| (gain - arc.gained_mm2) / (there - arc.there_mm2));
     let squares: f64 = without.map(|w| (w - share).powi(2)).sum();
     let sigma = ((count - 1.0) / count * squares).sqrt();
-    Some((share, [share - 1.96 * sigma, share + 1.96 * sigma]))
+    let aside = NORMAL_95 * sigma;
+    Some(Explained { share, interval: [share - aside, share + aside] })
 }
 
 /// The gain on the runs of each program, from those of all others.
-pub(crate) fn by_program(data: &Data, all: &Fitted) -> Vec<ProgramGain> {
-    let of_block = |index: usize| data.blocks[index].programs.clone();
-    let mut programs: Vec<Vec<usize>> = (0..data.blocks.len()).map(of_block).collect();
+pub(crate) fn by_program(alone: &Beside, all: &Fitted) -> Vec<ProgramGain> {
+    let residuals = alone.residuals;
+    let driven: Vec<Vec<usize>> = residuals
+        .repeats
+        .iter()
+        .map(|repeat| repeat.runs.iter().map(|run| run.program).collect())
+        .collect();
+    let mut programs = driven.clone();
     programs.sort();
     programs.dedup();
     if programs.len() < 2 {
         return Vec::new();
     }
     let gains = programs.iter().map(|program| {
-        let out: Vec<bool> = (0..data.blocks.len()).map(|k| of_block(k) == *program).collect();
-        let left = left_out(data, all, &out)?;
+        let out: Vec<bool> = driven.iter().map(|of_repeat| of_repeat == program).collect();
+        let left = left_out(alone, all, &out)?;
         let (mut before, mut after, mut samples) = (0.0, 0.0, 0.0_f64);
         let mut runs = Vec::new();
         let mut fastest = 0.0_f64;
-        for ((block, left), _) in data.blocks.iter().zip(&left).zip(&out).filter(|(_, out)| **out) {
-            before += dot(&block.residual_mm, &block.residual_mm);
-            after += dot(left, left);
-            samples += left.len() as f64;
-            runs.extend(block.names.clone());
-            let speeds = block.samples.iter().map(|s| s.situation.motion.velocity_mm_s.norm());
+        for (index, repeat) in residuals.repeats.iter().enumerate().filter(|(k, _)| out[*k]) {
+            let (was, is) = (&residuals.model_mm[index], &left[index]);
+            before += dot(was, was);
+            after += dot(is, is);
+            samples += is.len() as f64;
+            runs.extend(repeat.runs.iter().map(|run| run.name.clone()));
+            let speeds = repeat.samples.iter().map(|s| s.situation.motion.velocity_mm_s.norm());
             fastest = speeds.fold(fastest, f64::max);
         }
         Some(ProgramGain {

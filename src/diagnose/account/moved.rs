@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use crate::identify::{Campaign, Estimate};
-use crate::residual::data::Data;
-use crate::residual::joint::Fitted;
+use crate::residual::{Fitted, Residuals};
+use crate::solve::dot;
 
 /// A coefficient that was biased by what the model lacked.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -28,23 +28,23 @@ pub struct Moved {
 /// With `c` the columns of the effects and `a` their amplitudes, the parameters of a repeat change by
 /// `- F Q^T c a`, and what is not known of the amplitudes goes into them the same way.
 pub(crate) fn moved(
-    data: &Data,
+    residuals: &Residuals,
     campaign: &Campaign,
     extended: &Campaign,
     fitted: &Fitted,
     long_run_mm2: f64,
 ) -> Vec<Moved> {
     let Some(first) = campaign.repeats.first() else { return Vec::new() };
-    let repeats = data.blocks.len() as f64;
+    let repeats = residuals.repeats.len() as f64;
     let parameters = first.estimates.len();
     // Mean over the repeats of what one of each amplitude and number inside changes.
     let mut per_number = vec![vec![0.0; fitted.columns.len()]; parameters];
-    for (index, block) in data.blocks.iter().enumerate() {
+    for (index, repeat) in residuals.repeats.iter().enumerate() {
         let columns: Vec<&[f64]> = fitted.columns.iter().map(|c| c[index].as_slice()).collect();
-        let along = block.along(&columns);
+        let along = repeat.basis.along(&columns);
         for (k, changes) in per_number.iter_mut().enumerate() {
             for (change, along) in changes.iter_mut().zip(&along) {
-                *change -= crate::residual::data::dot(block.factor.row(k), along) / repeats;
+                *change -= dot(repeat.factor.row(k), along) / repeats;
             }
         }
     }

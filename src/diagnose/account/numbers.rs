@@ -3,9 +3,7 @@
 use serde::Serialize;
 
 use crate::model::{AMPLITUDE, Effect, Kind, Shape};
-use crate::residual::data::Data;
-use crate::residual::element::Owner;
-use crate::residual::joint::Fitted;
+use crate::residual::{Fitted, Owner, Residuals};
 
 /// A number of a finding, as it is written.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -27,7 +25,7 @@ pub struct Number {
 /// Of an effect that differs from run to run, the amplitude is the root mean square over the runs, and it
 /// has no phase.
 pub(crate) fn told(
-    data: &Data,
+    residuals: &Residuals,
     fitted: &Fitted,
     element: usize,
     long_run_mm2: f64,
@@ -51,8 +49,8 @@ pub(crate) fn told(
     };
     let effects: Vec<Effect> = match fitted.elements[element].owner {
         Owner::One { repeat, run } => {
-            let before: usize = data.blocks[..repeat].iter().map(|block| block.runs.len()).sum();
-            let number = (before + run + 1) as f64;
+            let at = residuals.runs().position(|place| place == (repeat, run)).unwrap_or(0);
+            let number = (at + 1) as f64;
             effects.into_iter().map(|effect| effect.with("run", number)).collect()
         }
         _ => effects,
@@ -61,7 +59,7 @@ pub(crate) fn told(
         .inner_index(element)
         .map(|k| (long_run_mm2 * fitted.inverse[(k, k)]).sqrt())
         .and_then(|sigma| fitted.elements[element].inner_sigma(sigma));
-    let began_s = began_sigma_s(data, fitted.elements[element].owner);
+    let began_s = began_sigma_s(residuals, fitted.elements[element].owner);
     let began_share = match (shape.cause.kind, shape.inner) {
         (Kind::Drift, Some(constant_s)) => began_s / constant_s,
         _ => 0.0,
@@ -105,10 +103,15 @@ pub(crate) fn told(
 }
 
 /// Standard deviation of when the programs of an effect's runs began, root mean square, s.
-fn began_sigma_s(data: &Data, owner: Owner) -> f64 {
+fn began_sigma_s(residuals: &Residuals, owner: Owner) -> f64 {
     let runs: Vec<f64> = match owner {
-        Owner::One { repeat, run } => vec![data.blocks[repeat].began_sigma_s[run]],
-        _ => data.blocks.iter().flat_map(|block| block.began_sigma_s.clone()).collect(),
+        Owner::One { repeat, run } => vec![residuals.repeats[repeat].runs[run].began_sigma_s],
+        _ => residuals
+            .repeats
+            .iter()
+            .flat_map(|repeat| &repeat.runs)
+            .map(|run| run.began_sigma_s)
+            .collect(),
     };
     (runs.iter().map(|sigma_s| sigma_s * sigma_s).sum::<f64>() / runs.len().max(1) as f64).sqrt()
 }

@@ -4,18 +4,16 @@ use crate::diagnose::thresholds::SEEN;
 use crate::identify::Campaign;
 use crate::machine::Axis;
 use crate::model::{Coefficient, Component, Kind, Seat, Shape};
-use crate::residual::data::Data;
-use crate::residual::element::Element;
-use crate::residual::joint::System;
+use crate::residual::{Beside, Element, System};
 
 /// Names in one sentence; more are counted.
 const MOST_NAMES: usize = 12;
 
 /// Sentences about causes of which the fit of the model leaves nothing.
-pub(crate) fn unseen(data: &Data, campaign: &Campaign) -> Vec<String> {
+pub(crate) fn unseen(alone: &Beside, campaign: &Campaign) -> Vec<String> {
     let seen = |kind: Kind, seat: Seat, inner: Option<f64>| {
         let shape = Shape { cause: kind.cause(), seat, inner };
-        System::of(data, &Element::shared(shape)).seen() > SEEN
+        System::of(alone, &Element::shared(shape)).share_outside() > SEEN
     };
     let mut sentences = Vec::new();
     if !seen(Kind::BarLength, Seat::Whole, None) {

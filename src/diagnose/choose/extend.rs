@@ -12,9 +12,7 @@ use crate::identify::Campaign;
 use crate::machine::Machine;
 use crate::model::{Form, Held};
 use crate::plan::Test;
-use crate::residual::data::Data;
-use crate::residual::element::{Element, Owner};
-use crate::residual::joint::{self, Fitted};
+use crate::residual::{self, Beside, Column, Element, Fitted, Owner, Residuals};
 
 /// A change of the sum of squares by less than this part of the gain is none.
 const SETTLED: f64 = 1e-3;
@@ -25,7 +23,7 @@ const MOST_ROUNDS: usize = 3;
 pub(crate) struct Extended {
     pub(crate) campaign: Campaign,
     /// Linear about the extended model, its residuals those without the effects.
-    pub(crate) data: Data,
+    pub(crate) residuals: Residuals,
     pub(crate) chosen: Chosen,
 }
 
@@ -34,20 +32,21 @@ pub(crate) fn extend(
     test: &Test,
     machine: &Machine,
     campaign: &Campaign,
-    searched: &Data,
     chosen: Chosen,
 ) -> Result<Option<Extended>> {
     let Chosen { mut fitted, rivals } = chosen;
-    let mut last: Option<(Campaign, Data)> = None;
+    let mut last: Option<(Campaign, Residuals)> = None;
     for _ in 0..MOST_ROUNDS {
-        let held = held(campaign, searched, &fitted);
+        let held = held(campaign, &fitted);
         let Ok(extended) = campaign.with_held(test, machine, held) else { break };
-        let mut about = Data::new(test, machine, &extended)?;
-        about.tune_as(searched);
-        let left_mm2 = about.squares_mm2();
-        fitted.give_back(&mut about);
-        let Some(again) = fit(&about, &fitted.elements) else { break };
-        let moved_mm2 = left_mm2 - (about.squares_mm2() - again.gain_mm2);
+        let about = Residuals::of(test, machine, &extended)?;
+        let left_mm2 = about.alone().left_mm2();
+        let effects = sum(&fitted, &about);
+        let about = about.plus(&effects);
+        let alone = about.alone();
+        let Some(again) = fit(&alone, &fitted.elements) else { break };
+        let moved_mm2 = left_mm2 - (alone.left_mm2() - again.gain_mm2);
+        drop(alone);
         fitted = again;
         last = Some((extended, about));
         if moved_mm2.abs() < SETTLED * fitted.gain_mm2 {
@@ -55,7 +54,7 @@ pub(crate) fn extend(
         }
     }
     let chosen = Chosen { fitted, rivals };
-    Ok(last.map(|(campaign, data)| Extended { campaign, data, chosen }))
+    Ok(last.map(|(campaign, residuals)| Extended { campaign, residuals, chosen }))
 }
 
 /// What a delay in common is multiplied by to see whether another fits better.
@@ -63,8 +62,8 @@ const FACTORS: [f64; 6] = [0.7, 0.85, 0.95, 1.05, 1.18, 1.4];
 
 /// The effects fitted to data about themselves. The time of a log moves with the delay that all slides have
 /// in common, so this is found in steps, with the times fitted between them.
-fn fit(about: &Data, elements: &[Element]) -> Option<Fitted> {
-    let fitted = joint::fit(about, elements.to_vec())?;
+fn fit(about: &Beside, elements: &[Element]) -> Option<Fitted> {
+    let fitted = residual::fit(about, elements.to_vec())?;
     let Some(common) = elements.iter().position(Element::is_common_delay) else {
         return Some(fitted);
     };
@@ -73,14 +72,25 @@ fn fit(about: &Data, elements: &[Element]) -> Option<Fitted> {
         if let Form::Cause(shape) = &mut elements[common].form {
             shape.inner = shape.inner.map(|delay_s| delay_s * factor);
         }
-        joint::fit(about, elements)
+        residual::fit(about, elements)
     });
     let tried: Vec<Fitted> = tried.collect();
     tried.into_iter().chain([fitted]).max_by(|a, b| a.gain_mm2.total_cmp(&b.gain_mm2))
 }
 
+/// The effects with their amplitudes at the samples of other residuals than they were fitted to, mm.
+fn sum(fitted: &Fitted, about: &Residuals) -> Column {
+    let mut sum = about.zeros();
+    for (element, amplitudes) in fitted.elements.iter().zip(&fitted.amplitudes) {
+        for (amplitude, column) in amplitudes.iter().zip(element.columns(about)) {
+            sum.add(*amplitude, &column);
+        }
+    }
+    sum
+}
+
 /// The effects as each repeat has them.
-fn held(campaign: &Campaign, data: &Data, fitted: &Fitted) -> Vec<Vec<Held>> {
+fn held(campaign: &Campaign, fitted: &Fitted) -> Vec<Vec<Held>> {
     let mut held: Vec<Vec<Held>> = vec![Vec::new(); campaign.repeats.len()];
     for (element, amplitudes) in fitted.elements.iter().zip(&fitted.amplitudes) {
         let count = element.term().parameter_count();
@@ -90,7 +100,7 @@ fn held(campaign: &Campaign, data: &Data, fitted: &Fitted) -> Vec<Vec<Held>> {
             for (run, input) in repeat.runs.iter().enumerate() {
                 let mut by_mounting = vec![Vec::new(); mountings];
                 by_mounting[input.mounting] = of_run(element, index, run, amplitudes, &mut own);
-                let form = element.in_run(data.blocks[index].tuned[run]);
+                let form = element.in_run(index, run);
                 held[index].push(Held { form, amplitudes: by_mounting });
             }
         }

@@ -3,8 +3,7 @@
 use serde::{Serialize, Serializer};
 
 use crate::model::Shape;
-use crate::residual::element::Element;
-use crate::residual::joint::Fitted;
+use crate::residual::{Element, Fitted};
 
 /// Another explanation of the same.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -3,13 +3,10 @@
 use std::cmp::Ordering;
 
 use super::found::{Rival, Told};
-use super::search::{Search, closely};
+use super::search::Search;
 use crate::diagnose::thresholds::threshold_mm2;
 use crate::model::{Component, Kind, Seat};
-use crate::residual::data::dot;
-use crate::residual::element::Element;
-use crate::residual::joint::{self, Fitted};
-use crate::residual::noise::Noise;
+use crate::residual::{self, Column, Element, Fitted, Noise};
 
 /// Two effects whose traces differ by less than this share of their squares are the same in these runs.
 const SAME: f64 = 1e-3;
@@ -18,73 +15,84 @@ const UNDECIDED_SIGMAS: f64 = 3.0;
 
 impl Search<'_> {
     /// What else an element could be; and all effects with a better one in its place, if there is one.
-    pub(crate) fn rivals(&mut self, fitted: &Fitted, index: usize) -> (Option<Fitted>, Vec<Rival>) {
-        let element = fitted.elements[index].clone();
+    pub(crate) fn rivals(&self, fitted: &Fitted, index: usize) -> (Option<Fitted>, Vec<Rival>) {
+        let element = &fitted.elements[index];
         if element.shape().is_none() {
             return (None, Vec::new());
         }
-        self.accept(Some(fitted));
-        let noise = Noise::of(self.data);
+        let all = self.beside(Some(fitted));
         let mut others = fitted.elements.clone();
         others.remove(index);
-        let others = if others.is_empty() { None } else { self.fit_all(others) };
-        self.accept(others.as_ref());
-        let Some(own) = joint::fit(self.data, vec![element.clone()]) else {
+        let others = self.fit_others(others);
+        let prospect = self.prospect(others.as_ref());
+        let Some(own) = residual::fit(&prospect.beside, vec![element.clone()]) else {
             return (None, Vec::new());
         };
-        let trace = own.outside(self.data);
-        let square: f64 = trace.iter().map(|c| dot(c, c)).sum();
         let tried = match others {
             None if !self.first.is_empty() => self.first.clone(),
-            _ => {
-                let least = threshold_mm2(self.data, &noise);
-                closely(self.data, self.screen.candidates(self.data, least), 0.0)
-            }
+            _ => self.all_in(&prospect, threshold_mm2(&all)),
         };
+        let duel = Duel { noise: all.noise(), trace: own.outside(&prospect.beside), own: &own };
         let mut rivals = Vec::new();
-        let mut better: Option<(Element, f64)> = None;
+        let mut better: Option<Element> = None;
         for other in tried {
             let rival = &other.fitted.elements[0];
-            if alike(rival, &element) {
+            if alike(rival, element) {
                 continue;
             }
-            let other_trace = other.fitted.outside(self.data);
-            let apart: f64 = trace
-                .iter()
-                .zip(&other_trace)
-                .flat_map(|(a, b)| a.iter().zip(b))
-                .map(|(a, b)| (a - b).powi(2))
-                .sum();
-            // Eleven amplitudes explain more than one does by chance.
-            let by_chance = |of: &Fitted| 2.0 * of.columns.len() as f64 * noise.long_run_mm2;
-            let less_mm2 =
-                own.gain_mm2 - by_chance(&own) - other.fitted.gain_mm2 + by_chance(&other.fitted);
-            let doubt_mm2 = UNDECIDED_SIGMAS * 2.0 * (noise.long_run_mm2 * apart).sqrt();
-            let told = if apart < SAME * square {
-                Told::Same
-            } else if less_mm2.abs() < doubt_mm2 {
-                Told::Undecided
-            } else {
-                Told::Apart
-            };
+            let trace = other.fitted.outside(&prospect.beside);
+            let less_mm2 = duel.less_mm2(&other.fitted);
+            let told = duel.told(&trace, less_mm2);
             let preferred = match told {
-                Told::Same | Told::Undecided => simpler(rival, &element) == Ordering::Less,
+                Told::Same | Told::Undecided => simpler(rival, element) == Ordering::Less,
                 Told::Apart => less_mm2 < 0.0,
             };
             // Of what hardly differs, the one that is named first, and never back again.
-            if preferred && better.as_ref().is_none_or(|(b, _)| simpler(rival, b) == Ordering::Less)
-            {
-                better = Some((rival.clone(), other.fitted.gain_mm2));
+            if preferred && better.as_ref().is_none_or(|b| simpler(rival, b) == Ordering::Less) {
+                better = Some(rival.clone());
             }
             let share = other.fitted.gain_mm2 / own.gain_mm2;
             rivals.push(Rival { element: rival.clone(), share, told });
         }
-        let better = better.and_then(|(instead, _)| {
+        let better = better.and_then(|instead| {
             let mut elements = fitted.elements.clone();
             elements[index] = instead;
             self.fit_all(elements)
         });
         (better, rivals)
+    }
+}
+
+/// One explanation held against others.
+struct Duel<'a> {
+    noise: &'a Noise,
+    own: &'a Fitted,
+    /// What it does outside of everything else.
+    trace: Column,
+}
+
+impl Duel<'_> {
+    /// By how much another one explains less, mm², each less what its numbers explain by chance: eleven
+    /// amplitudes explain more than one does.
+    fn less_mm2(&self, other: &Fitted) -> f64 {
+        let by_chance = |of: &Fitted| self.noise.by_chance_mm2(of.columns.len());
+        self.own.gain_mm2 - by_chance(self.own) - other.gain_mm2 + by_chance(other)
+    }
+
+    /// Whether these runs tell another one apart, which explains so much less: with traces `t` and `t'` the
+    /// difference of the gains has the standard deviation `2 sqrt(v) |t - t'|`.
+    fn told(&self, trace: &Column, less_mm2: f64) -> Told {
+        let mut apart = self.trace.clone();
+        apart.add(-1.0, trace);
+        let apart_mm2 = apart.square();
+        let doubt_mm2 = UNDECIDED_SIGMAS * 2.0 * (self.noise.long_run_mm2 * apart_mm2).sqrt();
+        if apart_mm2 < SAME * self.trace.product(&self.trace) {
+            Told::Same
+        } else if less_mm2.abs() < doubt_mm2 {
+            Told::Undecided
+        } else {
+            Told::Apart
+        }
     }
 }
 

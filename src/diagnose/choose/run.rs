@@ -2,12 +2,16 @@
 
 use super::found::Chosen;
 use super::search::{MOST_EFFECTS, Search};
-use crate::residual::data::norm2;
-use crate::residual::joint::Fitted;
+use crate::identify::Campaign;
+use crate::residual::{Fitted, Residuals};
+
+/// The effects that there are; `None` for none.
+pub(crate) fn chosen(residuals: &Residuals, campaign: &Campaign) -> Option<Chosen> {
+    Search::new(residuals, campaign).run()
+}
 
 impl Search<'_> {
-    /// The effects that there are; `None` for none.
-    pub(crate) fn run(&mut self) -> Option<Chosen> {
+    fn run(&mut self) -> Option<Chosen> {
         let mut fitted = self.forward(None, true, MOST_EFFECTS)?;
         fitted = self.tidied(fitted)?;
         let mut rivals = vec![Vec::new(); fitted.elements.len()];
@@ -35,18 +39,15 @@ impl Search<'_> {
             fitted = stands;
             rivals = (0..fitted.elements.len()).map(|k| self.rivals(&fitted, k).1).collect();
         }
-        self.accept(Some(&fitted));
-        let fitted = self.by_size(fitted);
-        Some(fitted).map(|(fitted, order)| Chosen {
-            fitted,
-            rivals: order.into_iter().map(|k| std::mem::take(&mut rivals[k])).collect(),
-        })
+        let (fitted, order) = self.by_size(fitted);
+        let rivals = order.into_iter().map(|k| std::mem::take(&mut rivals[k])).collect();
+        Some(Chosen { fitted, rivals })
     }
 
     /// The largest effect first.
-    fn by_size(&mut self, fitted: Fitted) -> (Fitted, Vec<usize>) {
-        let sizes: Vec<f64> =
-            (0..fitted.elements.len()).map(|k| norm2(&fitted.part(k).effect(self.data))).collect();
+    fn by_size(&self, fitted: Fitted) -> (Fitted, Vec<usize>) {
+        let size_mm2 = |k| fitted.part_mm2(k, self.residuals());
+        let sizes: Vec<f64> = (0..fitted.elements.len()).map(size_mm2).collect();
         let mut order: Vec<usize> = (0..sizes.len()).collect();
         order.sort_by(|a, b| sizes[*b].total_cmp(&sizes[*a]));
         let elements = order.iter().map(|&k| fitted.elements[k].clone()).collect();

@@ -9,15 +9,13 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::search::Search;
-use crate::diagnose::seek::screen::Screen;
 use crate::diagnose::thresholds::threshold_mm2;
 use crate::error::Result;
-use crate::identify::{Campaign, Failure, LinearSample};
+use crate::identify::{Campaign, Failure};
 use crate::machine::{Axis, Machine, Mounting, Pivot};
 use crate::model::{Ball, Effect, Kind, Seat, SetUp, Situation};
 use crate::plan::Test;
-use crate::residual::data::{Column, Data, norm2};
-use crate::residual::noise::Noise;
+use crate::residual::{Beside, Column, Residuals, Sample};
 
 /// So many settings are corrected at most.
 const MOST: usize = 3;
@@ -137,12 +135,12 @@ impl Setting {
     }
 
     /// The part of a column over all mountings that is this setting's.
-    fn of_mountings(self, data: &Data, column: &Column) -> Column {
+    fn of_mountings(self, residuals: &Residuals, column: &Column) -> Column {
         let Self::Place(_, Some(mounting)) = self else { return column.clone() };
-        let blocks = column.iter().zip(&data.blocks);
-        blocks
-            .map(|(column, block)| {
-                let samples = column.iter().zip(&block.samples);
+        let repeats = column.iter().zip(&residuals.repeats);
+        repeats
+            .map(|(column, repeat)| {
+                let samples = column.iter().zip(&repeat.samples);
                 let here = |at: usize| if at == mounting { 1.0 } else { 0.0 };
                 samples.map(|(c, sample)| c * here(sample.situation.mounting)).collect()
             })
@@ -168,23 +166,23 @@ struct Stated<'a> {
 
 impl<'a> Stated<'a> {
     fn new(
-        data: &Data,
+        residuals: &Residuals,
         test: &'a Test,
         machine: &'a Machine,
         campaign: &'a Campaign,
     ) -> Result<Self> {
-        let lengths_mm = lengths_mm(data, campaign, (test, machine), None)?;
+        let lengths_mm = lengths_mm(residuals, campaign, (test, machine), None)?;
         Ok(Self { test, machine, campaign, lengths_mm })
     }
 
     /// What the lengths change by with a setting, in all mountings, times the root of the weight; per
     /// [`ASIDE_MM`] of a place.
-    fn column(&self, data: &Data, setting: Setting) -> Result<Column> {
+    fn column(&self, residuals: &Residuals, setting: Setting) -> Result<Column> {
         let (test, machine) = setting.everywhere().applied(self.test, self.machine, ASIDE_MM);
-        let mut column = lengths_mm(data, self.campaign, (&test, &machine), Some(self.test))?;
-        let blocks = column.iter_mut().zip(&self.lengths_mm).zip(&data.blocks);
-        for ((column, stated), block) in blocks {
-            for ((c, stated), sample) in column.iter_mut().zip(stated).zip(&block.samples) {
+        let mut column = lengths_mm(residuals, self.campaign, (&test, &machine), Some(self.test))?;
+        let repeats = column.iter_mut().zip(self.lengths_mm.iter()).zip(&residuals.repeats);
+        for ((column, stated), repeat) in repeats {
+            for ((c, stated), sample) in column.iter_mut().zip(stated).zip(&repeat.samples) {
                 *c = (*c - stated) * sample.root_weight;
             }
         }
@@ -195,7 +193,7 @@ impl<'a> Stated<'a> {
 /// Lengths that the model of a campaign predicts under some files; poses are shifted by what the balls of
 /// the first test lie aside from those of the `stated` one.
 fn lengths_mm(
-    data: &Data,
+    residuals: &Residuals,
     campaign: &Campaign,
     (test, machine): (&Test, &Machine),
     stated: Option<&Test>,
@@ -205,17 +203,17 @@ fn lengths_mm(
         Some(stated) => at(test, mounting) - at(stated, mounting),
         None => Vector3::zeros(),
     };
-    let blocks = data.blocks.par_iter().enumerate().map(|(index, block)| {
+    let repeats = residuals.repeats.par_iter().enumerate().map(|(index, repeat)| {
         let values = campaign.repeats[index].values();
         let model = campaign.model(test, machine, index)?;
-        let length = |sample: &LinearSample| {
+        let length = |sample: &Sample| {
             let Situation { mut pose, motion, mounting, .. } = sample.situation;
             pose.position_mm += shift(mounting);
             model.length_mm(&values, &pose, &motion, mounting)
         };
-        Ok(block.samples.iter().map(length).collect())
+        Ok(repeat.samples.iter().map(length).collect())
     });
-    blocks.collect()
+    Ok(Column::from(repeats.collect::<Result<Vec<Vec<f64>>>>()?))
 }
 
 /// The campaign with what is stated wrong put right, `None` where nothing is; and its residuals.
@@ -223,22 +221,22 @@ pub(crate) fn corrected(
     test: &Test,
     machine: &Machine,
     campaign: &Campaign,
-) -> Result<(Option<Corrected>, Data)> {
-    let mut data = Data::new(test, machine, campaign)?;
+) -> Result<(Option<Corrected>, Residuals)> {
+    let mut residuals = Residuals::of(test, machine, campaign)?;
     let mut best: Option<Corrected> = None;
     for _ in 0..MOST {
         let (test, machine, campaign) = match &best {
             Some(now) => (&now.test, &now.machine, &now.campaign),
             None => (test, machine, campaign),
         };
-        let Some(mut next) = step(test, machine, campaign, &mut data)? else { break };
-        data = Data::new(&next.test, &next.machine, &next.campaign)?;
+        let Some(mut next) = step(test, machine, campaign, &residuals)? else { break };
+        residuals = Residuals::of(&next.test, &next.machine, &next.campaign)?;
         if let Some(before) = best.take() {
             next.wrong.splice(0..0, before.wrong);
         }
         best = Some(next);
     }
-    Ok((best, data))
+    Ok((best, residuals))
 }
 
 /// Puts one setting right.
@@ -246,31 +244,31 @@ fn step(
     test: &Test,
     machine: &Machine,
     campaign: &Campaign,
-    data: &mut Data,
+    residuals: &Residuals,
 ) -> Result<Option<Corrected>> {
     let settings = Setting::all(test, campaign);
     if settings.is_empty() {
         return Ok(None);
     }
-    let noise = Noise::of(data);
-    let least_mm2 = threshold_mm2(data, &noise);
-    let stated = Stated::new(data, test, machine, campaign)?;
+    let alone = residuals.alone();
+    let least_mm2 = threshold_mm2(&alone);
+    let stated = Stated::new(residuals, test, machine, campaign)?;
     let mut tried = Vec::new();
     let mut last: Option<(Setting, Column)> = None;
     for setting in settings {
         let known = last.take_if(|(of, _)| *of == setting.everywhere());
         let column = match known {
             Some((_, column)) => column,
-            None => stated.column(data, setting)?,
+            None => stated.column(residuals, setting)?,
         };
-        let own = setting.of_mountings(data, &column);
-        tried.extend(explained(data, setting, &own, &noise));
+        let own = setting.of_mountings(residuals, &column);
+        tried.extend(explained(&alone, setting, &own));
         last = Some((setting.everywhere(), column));
     }
     tried.retain(|tried| tried.gain_mm2 > least_mm2);
     tried.sort_by(|a, b| b.gain_mm2.total_cmp(&a.gain_mm2));
     let mut best: Option<(Corrected, f64)> = None;
-    let before_mm2 = data.squares_mm2();
+    let before_mm2 = alone.left_mm2();
     for first in tried.iter().take(CLOSELY) {
         if best.as_ref().is_some_and(|(_, after_mm2)| before_mm2 - after_mm2 > first.gain_mm2) {
             break;
@@ -282,34 +280,31 @@ fn step(
         }
     }
     let Some((mut corrected, after_mm2)) = best else { return Ok(None) };
-    let samples = data.samples().max(1) as f64;
-    let mut screen = Screen::new(data, campaign);
-    let cause = Search { data, screen: &mut screen, first: Vec::new() }.next(None, true);
+    let cause = Search::new(residuals, campaign).next(None, true);
     let best_cause_mm2 = cause.map_or(0.0, |(_, score_mm2)| score_mm2);
     if before_mm2 - after_mm2 < least_mm2.max(best_cause_mm2) {
         return Ok(None);
     }
     for wrong in &mut corrected.wrong {
-        wrong.before_mm = (before_mm2 / samples).sqrt();
-        wrong.after_mm = (after_mm2 / samples).sqrt();
+        wrong.before_mm = residuals.rms_mm(before_mm2);
+        wrong.after_mm = residuals.rms_mm(after_mm2);
     }
     Ok(Some(corrected))
 }
 
 /// What a setting explains of the residuals; `None` where the model follows it.
-fn explained(data: &Data, setting: Setting, column: &Column, noise: &Noise) -> Option<Tried> {
-    let outside = data.projected(column);
-    let (square, whole) = (norm2(&outside), norm2(column));
+fn explained(alone: &Beside, setting: Setting, column: &Column) -> Option<Tried> {
+    let outside = alone.residuals.outside(column);
+    let (square, whole) = (outside.square(), column.square());
     if whole <= 0.0 || square < FOLLOWED * whole {
         return None;
     }
-    let pairs = outside.iter().flatten().zip(data.left_mm.iter().flatten());
-    let common: f64 = pairs.map(|(c, e)| c * e).sum();
+    let common = outside.product(&alone.left_mm);
     let per = ASIDE_MM / square;
     Some(Tried {
         setting,
         amount: common * per,
-        sigma: (noise.long_run_mm2 / square).sqrt() * ASIDE_MM,
+        sigma: (alone.noise().long_run_mm2 / square).sqrt() * ASIDE_MM,
         gain_mm2: common * common / square,
     })
 }
@@ -339,16 +334,18 @@ fn exactly(
             Campaign::of_aligned(&test, &machine, runs, left_out, Failure::Refuse, &|| ())
         };
         let Ok(identified) = identified else { break };
-        let data = Data::new(&test, &machine, &identified)?;
-        let squares_mm2 = data.squares_mm2();
+        let residuals = Residuals::of(&test, &machine, &identified)?;
+        let alone = residuals.alone();
+        let squares_mm2 = alone.left_mm2();
         if best.as_ref().is_some_and(|(_, before)| squares_mm2 >= *before)
             || identified.repeats.len() != campaign.repeats.len()
         {
             break;
         }
-        let stated = Stated::new(&data, &test, &machine, &identified)?;
-        let column = first.setting.of_mountings(&data, &stated.column(&data, first.setting)?);
-        let left = explained(&data, first.setting, &column, &Noise::of(&data));
+        let stated = Stated::new(&residuals, &test, &machine, &identified)?;
+        let column = stated.column(&residuals, first.setting)?;
+        let column = first.setting.of_mountings(&residuals, &column);
+        let left = explained(&alone, first.setting, &column);
         let pivot = matches!(first.setting, Setting::Pivot(_));
         if let Some(left) = &left {
             (step_mm, sigma_mm) = (left.amount, left.sigma);

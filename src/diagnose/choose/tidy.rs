@@ -5,10 +5,7 @@ use crate::diagnose::seek::curves;
 use crate::diagnose::thresholds::{OF_A_CURVE, SHADOW, threshold_mm2};
 use crate::machine::Axis;
 use crate::model::{Form, Kind, Seat, Variable};
-use crate::residual::data::norm2;
-use crate::residual::element::Element;
-use crate::residual::joint::Fitted;
-use crate::residual::noise::Noise;
+use crate::residual::{Beside, Element, Fitted};
 
 /// Causes in place of a curve explain at least this share of what the curve does.
 const INSTEAD_OF_A_CURVE: f64 = 0.99;
@@ -38,25 +35,24 @@ impl Search<'_> {
             }
             let mut others = best.elements.clone();
             others.remove(index);
-            let start = if others.is_empty() { None } else { self.fit_all(others) };
+            let start = self.fit_others(others);
             let most = best.elements.len() + 1;
-            let tried = self.forward(start, false, most);
-            match tried {
-                Some(tried) if self.score(&tried) > INSTEAD_OF_A_CURVE * self.score(&best) => {
-                    best = tried;
-                    index = 0;
-                }
-                _ => index += 1,
+            let instead = self.forward(start, false, most).filter(|tried| {
+                let beside = self.beside(Some(tried));
+                score_mm2(&beside, tried) > INSTEAD_OF_A_CURVE * score_mm2(&beside, &best)
+            });
+            match instead {
+                Some(instead) => (best, index) = (instead, 0),
+                None => index += 1,
             }
         }
-        self.accept(Some(&best));
         best
     }
 
     /// A curve in place of several smooth causes over one variable that together do no better than it, and of
     /// any beside a curve over it: waves and powers can be piled up to any bump, and frictions to any
     /// friction.
-    fn without_makeshifts(&mut self, fitted: Fitted) -> Fitted {
+    fn without_makeshifts(&self, fitted: Fitted) -> Fitted {
         let mut best = fitted;
         let variables = Axis::ALL.map(|axis| [Variable::Position(axis), Variable::Velocity(axis)]);
         for over in variables.into_iter().flatten() {
@@ -75,33 +71,31 @@ impl Search<'_> {
                 .filter(|e| !makeshift(e) && described_over(e) != Some(over))
                 .cloned()
                 .collect();
-            let start = if kept.is_empty() { None } else { self.fit_all(kept) };
-            self.accept(start.as_ref());
-            let found = curves::best(self.data, &self.screen.channels, 0.0, &|curve| {
+            let start = self.fit_others(kept);
+            let prospect = self.prospect(start.as_ref());
+            let found = curves::best(&prospect.beside, &prospect.looks, 0.0, &|curve| {
                 !curve.with_sense && curve.variable == over
             });
             let Some(curve) = found else { continue };
             let before = start.iter().flat_map(|fitted| fitted.elements.clone());
             let elements = before.chain(curve.fitted.elements).collect();
             let Some(instead) = self.fit_all(elements) else { continue };
-            self.accept(Some(&instead));
+            let beside = self.beside(Some(&instead));
             // Where a curve is needed anyway, nothing smooth over the same is named beside it.
-            if described || self.score(&instead) > OF_A_CURVE * self.score(&best) {
+            if described || score_mm2(&beside, &instead) > OF_A_CURVE * score_mm2(&beside, &best) {
                 best = instead;
             }
         }
-        self.accept(Some(&best));
         best
     }
 
     /// Without the causes that are small beside a curve: what a curve leaves of an effect that nobody knows
     /// is no cause. Nor are those that are much larger than what all together explain: they fight others.
-    fn without_shadows(&mut self, fitted: Fitted) -> Option<Fitted> {
-        let size = |k: usize| norm2(&fitted.part(k).effect(self.data)).sqrt();
+    fn without_shadows(&self, fitted: Fitted) -> Option<Fitted> {
+        let size = |k: usize| fitted.part_mm2(k, self.residuals()).sqrt();
         let largest = self.largest_curve(&fitted);
         let most = FIGHTING * fitted.gain_mm2.max(0.0).sqrt();
-        let noise = Noise::of(self.data);
-        let least = threshold_mm2(self.data, &noise).sqrt();
+        let least = threshold_mm2(&self.beside(Some(&fitted))).sqrt();
         let credible = |k: usize| size(k) > least.max(SHADOW * largest) && size(k) < most;
         let kept: Vec<Element> = (0..fitted.elements.len())
             .filter(|k| fitted.elements[*k].shape().is_none() || credible(*k))
@@ -110,10 +104,13 @@ impl Search<'_> {
         if kept.len() == fitted.elements.len() || kept.is_empty() {
             return Some(fitted);
         }
-        let fitted = self.fit_all(kept);
-        self.accept(fitted.as_ref());
-        fitted
+        self.fit_all(kept)
     }
+}
+
+/// Gain less what the numbers gain by chance, mm², by the noise beside some effects.
+fn score_mm2(beside: &Beside, fitted: &Fitted) -> f64 {
+    fitted.gain_mm2 - beside.noise().by_chance_mm2(fitted.columns.len())
 }
 
 /// The variable over which a cause is smooth: of such causes several make any curve.

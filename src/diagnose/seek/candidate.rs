@@ -1,7 +1,6 @@
 //! What may be there, before and after a closer look.
 
-use crate::residual::element::Element;
-use crate::residual::joint::Fitted;
+use crate::residual::{Element, Fitted};
 
 /// An effect that may be there.
 #[derive(Debug, Clone)]

@@ -10,32 +10,11 @@
 //! with `d = sum of s²`, `M = sum of s Q`, `X = sum of s` times the accepted columns. So a thousand periods
 //! or time constants cost no pass over the samples.
 
-use crate::identify::LinearSample;
-use crate::model::{Seat, Variable};
-use crate::residual::data::{Data, dot};
-use crate::solve::{Cholesky, Matrix};
+use std::ops::Deref;
 
-/// A seat over a variable.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Place {
-    pub(crate) seat: Seat,
-    pub(crate) variable: Variable,
-    /// Whether the effect changes its sign with the sense of the variable's slide.
-    pub(crate) with_sense: bool,
-}
-
-impl Place {
-    /// What a sample is worth, and where it lies; `None` where the variable has no value.
-    pub(crate) fn of(self, sample: &LinearSample) -> Option<(f64, f64)> {
-        let at = &sample.situation;
-        let value = self.variable.value(&at.pose, &at.motion)?;
-        let sense = match self.variable.slide() {
-            Some(slide) if self.with_sense => at.pose.sense[slide.index()],
-            _ => 1.0,
-        };
-        Some((self.seat.sensitivity(at) * sense * sample.root_weight, value))
-    }
-}
+use crate::model::{Dependence, Seat, Variable};
+use crate::residual::{Beside, Residuals};
+use crate::solve::{Cholesky, Matrix, dot};
 
 /// Bins of a variable.
 #[derive(Debug, Clone)]
@@ -49,7 +28,7 @@ struct Bins {
 
 impl Bins {
     /// Bins for the values that the data have.
-    fn of(data: &Data, variable: Variable) -> Self {
+    fn of(residuals: &Residuals, variable: Variable) -> Self {
         let (logarithm_over, finest) = match variable {
             Variable::Position(_) => (0.0, 0.5),
             Variable::Velocity(_) => (0.0, 0.0),
@@ -65,7 +44,7 @@ impl Bins {
         };
         let mut bins = Self { low: 0.0, width: 1.0, count: 1, logarithm_over };
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for sample in data.blocks.iter().flat_map(|block| &block.samples) {
+        for sample in residuals.repeats.iter().flat_map(|repeat| &repeat.samples) {
             let at = &sample.situation;
             if let Some(value) = variable.value(&at.pose, &at.motion) {
                 let scaled = bins.scaled(value);
@@ -89,29 +68,61 @@ impl Bins {
     }
 }
 
-/// What one repeat has in the bins.
+/// What one repeat has in the bins, whatever is accepted.
 #[derive(Debug)]
 struct Gathered {
     /// `sum s²`.
     squares: Vec<f64>,
-    /// `sum s e`.
-    common: Vec<f64>,
     /// `sum s Q`, bin after bin.
-    spanned: Vec<f64>,
-    /// `sum s x`, for each accepted column.
-    accepted: Vec<Vec<f64>>,
+    followed: Vec<f64>,
+    rank: usize,
+    /// In which bin each sample lies, and what it is worth there.
+    samples: Vec<Placed>,
+}
+
+/// A sample in a bin.
+#[derive(Debug, Clone, Copy, Default)]
+struct Placed {
+    bin: u32,
+    worth: f64,
+}
+
+impl Gathered {
+    /// `sum s x` of a column, bin after bin.
+    fn sums(&self, bins: usize, column: &[f64]) -> Vec<f64> {
+        let mut sums = vec![0.0; bins];
+        for (Placed { bin, worth }, x) in self.samples.iter().zip(column) {
+            sums[*bin as usize] += worth * x;
+        }
+        sums
+    }
 }
 
 /// A seat over a variable, gathered.
 #[derive(Debug)]
 pub(crate) struct Channel {
-    pub(crate) place: Place,
+    pub(crate) of: Dependence,
     /// Mean value of the samples in each bin, weighted by what they are worth.
     pub(crate) centers: Vec<f64>,
-    blocks: Vec<Gathered>,
-    ranks: Vec<usize>,
-    /// In which bin each sample of each block lies, and what it is worth there.
-    samples: Vec<Vec<(u32, f64)>>,
+    repeats: Vec<Gathered>,
+}
+
+/// A channel beside what is accepted: what it has in common with what is left.
+#[derive(Debug)]
+pub(crate) struct Look<'a> {
+    channel: &'a Channel,
+    /// `sum s e` of each repeat.
+    common: Vec<Vec<f64>>,
+    /// `sum s x` of each repeat, for each accepted column.
+    accepted: Vec<Vec<Vec<f64>>>,
+}
+
+impl Deref for Look<'_> {
+    type Target = Channel;
+
+    fn deref(&self) -> &Channel {
+        self.channel
+    }
 }
 
 /// What an effect explains.
@@ -119,8 +130,8 @@ pub(crate) struct Channel {
 pub(crate) struct Explained {
     /// By how much it lowers the sum of squares, mm².
     pub(crate) gain_mm2: f64,
-    /// Which part of its square lies outside of what is spanned, 0 to 1.
-    pub(crate) seen: f64,
+    /// Which part of its square lies outside of what is followed, 0 to 1.
+    pub(crate) share_outside: f64,
     /// One a shape, mm and rad.
     pub(crate) amplitudes: Vec<f64>,
     /// Factor of the normal matrix.
@@ -130,110 +141,89 @@ pub(crate) struct Explained {
 impl Channel {
     /// Channels of several seats over one variable, in one pass over the samples.
     pub(crate) fn gather(
-        data: &Data,
+        residuals: &Residuals,
         variable: Variable,
         with_sense: bool,
         seats: &[Seat],
     ) -> Vec<Self> {
-        let bins = Bins::of(data, variable);
+        let bins = Bins::of(residuals, variable);
         let mut channels: Vec<Self> = seats
             .iter()
             .map(|&seat| Self {
-                place: Place { seat, variable, with_sense },
+                of: Dependence { seat, variable, with_sense },
                 centers: vec![0.0; bins.count],
-                blocks: Vec::new(),
-                ranks: data.blocks.iter().map(|block| block.rank).collect(),
-                samples: Vec::new(),
+                repeats: Vec::new(),
             })
             .collect();
         let mut weights = vec![vec![0.0; bins.count]; seats.len()];
-        for block in &data.blocks {
-            for channel in &mut channels {
-                channel.samples.push(Vec::with_capacity(block.samples.len()));
-                channel.blocks.push(Gathered {
+        for repeat in &residuals.repeats {
+            let rank = repeat.basis.rank();
+            for (channel, weights) in channels.iter_mut().zip(&mut weights) {
+                let mut gathered = Gathered {
                     squares: vec![0.0; bins.count],
-                    common: Vec::new(),
-                    spanned: vec![0.0; bins.count * block.rank],
-                    accepted: Vec::new(),
-                });
-            }
-            for (sample, row) in block.samples.iter().zip(block.q.chunks_exact(block.rank.max(1))) {
-                let at = &sample.situation;
-                let bin = variable.value(&at.pose, &at.motion).map(|value| bins.index(value));
-                for (channel, weights) in channels.iter_mut().zip(&mut weights) {
-                    let placed = channel.place.of(sample).zip(bin);
-                    let Some(((worth, value), bin)) = placed else {
-                        if let Some(samples) = channel.samples.last_mut() {
-                            samples.push((0, 0.0));
-                        }
+                    followed: vec![0.0; bins.count * rank],
+                    rank,
+                    samples: Vec::with_capacity(repeat.samples.len()),
+                };
+                for (k, sample) in repeat.samples.iter().enumerate() {
+                    let Some((value, factor)) = channel.of.at(&sample.situation) else {
+                        gathered.samples.push(Placed::default());
                         continue;
                     };
-                    if let Some(samples) = channel.samples.last_mut() {
-                        samples.push((bin as u32, worth));
-                    }
+                    let (bin, worth) = (bins.index(value), factor * sample.root_weight);
+                    gathered.samples.push(Placed { bin: bin as u32, worth });
                     weights[bin] += worth * worth;
                     channel.centers[bin] += worth * worth * value;
-                    if let Some(gathered) = channel.blocks.last_mut() {
-                        gathered.squares[bin] += worth * worth;
-                        let spanned = &mut gathered.spanned[bin * block.rank..][..block.rank];
-                        for (m, q) in spanned.iter_mut().zip(row) {
-                            *m += worth * q;
-                        }
+                    gathered.squares[bin] += worth * worth;
+                    let followed = &mut gathered.followed[bin * rank..][..rank];
+                    for (m, q) in followed.iter_mut().zip(repeat.basis.row(k)) {
+                        *m += worth * q;
                     }
                 }
+                channel.repeats.push(gathered);
             }
         }
         for (channel, weights) in channels.iter_mut().zip(&weights) {
             for (center, weight) in channel.centers.iter_mut().zip(weights) {
                 *center = if *weight > 0.0 { *center / weight } else { 0.0 };
             }
-            channel.renew(data);
         }
         channels
     }
 
-    /// Gathers anew what hangs on what has been accepted.
-    pub(crate) fn renew(&mut self, data: &Data) {
+    /// The channel beside what has been accepted.
+    pub(crate) fn beside(&self, beside: &Beside) -> Look<'_> {
         let count = self.centers.len();
-        for (index, gathered) in self.blocks.iter_mut().enumerate() {
-            let samples = &self.samples[index];
-            gathered.common = vec![0.0; count];
-            for ((bin, worth), left_mm) in samples.iter().zip(&data.left_mm[index]) {
-                gathered.common[*bin as usize] += worth * left_mm;
-            }
-            gathered.accepted = data
-                .span
-                .iter()
-                .map(|unit| {
-                    let mut sums = vec![0.0; count];
-                    for ((bin, worth), u) in samples.iter().zip(&unit[index]) {
-                        sums[*bin as usize] += worth * u;
-                    }
-                    sums
-                })
-                .collect();
-        }
+        let of_column = |column: &[Vec<f64>]| -> Vec<Vec<f64>> {
+            self.repeats.iter().zip(column).map(|(of, column)| of.sums(count, column)).collect()
+        };
+        let by_column: Vec<Vec<Vec<f64>>> =
+            beside.span.iter().map(|unit| of_column(unit)).collect();
+        let accepted = (0..self.repeats.len())
+            .map(|repeat| by_column.iter().map(|column| column[repeat].clone()).collect())
+            .collect();
+        Look { channel: self, common: of_column(&beside.left_mm), accepted }
     }
 
-    /// `sum s²` of every bin over all blocks.
+    /// `sum s²` of every bin over all repeats.
     pub(crate) fn squares(&self) -> Vec<f64> {
-        let mut total = vec![0.0; self.centers.len()];
-        for gathered in &self.blocks {
-            for (t, s) in total.iter_mut().zip(&gathered.squares) {
-                *t += s;
-            }
-        }
-        total
+        total(self.centers.len(), self.repeats.iter().map(|gathered| &gathered.squares))
     }
+}
 
-    /// Sums over all blocks.
+/// The sum of rows, one after the other.
+fn total<'a>(count: usize, rows: impl Iterator<Item = &'a Vec<f64>>) -> Vec<f64> {
+    let mut total = vec![0.0; count];
+    for row in rows {
+        total.iter_mut().zip(row).for_each(|(t, c)| *t += c);
+    }
+    total
+}
+
+impl Look<'_> {
+    /// Sums over all repeats.
     pub(crate) fn sums(&self) -> Sums {
-        let mut common = vec![0.0; self.centers.len()];
-        for gathered in &self.blocks {
-            for (t, c) in common.iter_mut().zip(&gathered.common) {
-                *t += c;
-            }
-        }
+        let common = total(self.centers.len(), self.common.iter());
         Sums { squares: self.squares(), common }
     }
 
@@ -256,20 +246,21 @@ impl Channel {
         let mut gram = Matrix::zeros(n, n);
         let mut common = vec![0.0; n];
         let mut raw = vec![0.0; n];
-        let mut accepted = vec![vec![0.0; n]; self.blocks.first()?.accepted.len()];
-        for (gathered, &rank) in self.blocks.iter().zip(&self.ranks) {
-            let mut spanned = Matrix::zeros(n, rank);
+        let mut accepted = vec![vec![0.0; n]; self.accepted.first()?.len()];
+        for (index, gathered) in self.repeats.iter().enumerate() {
+            let rank = gathered.rank;
+            let mut followed = Matrix::zeros(n, rank);
             for (i, shape) in shapes.iter().enumerate() {
-                let out = spanned.row_mut(i);
+                let out = followed.row_mut(i);
                 let range = ranges[i].clone();
                 for bin in range.clone() {
-                    for (o, m) in out.iter_mut().zip(&gathered.spanned[bin * rank..][..rank]) {
+                    for (o, m) in out.iter_mut().zip(&gathered.followed[bin * rank..][..rank]) {
                         *o += shape[bin] * m;
                     }
                 }
                 let shape = &shape[range.clone()];
-                common[i] += dot(shape, &gathered.common[range.clone()]);
-                for (total, x) in accepted.iter_mut().zip(&gathered.accepted) {
+                common[i] += dot(shape, &self.common[index][range.clone()]);
+                for (total, x) in accepted.iter_mut().zip(&self.accepted[index]) {
                     total[i] += dot(shape, &x[range.clone()]);
                 }
             }
@@ -278,7 +269,7 @@ impl Channel {
                     let product = both(i, k)
                         .map(|bin| shapes[i][bin] * shapes[k][bin] * gathered.squares[bin])
                         .sum::<f64>();
-                    gram[(i, k)] += product - dot(spanned.row(i), spanned.row(k));
+                    gram[(i, k)] += product - dot(followed.row(i), followed.row(k));
                     if i == k {
                         raw[i] += product;
                     }
@@ -292,14 +283,15 @@ impl Channel {
                 }
             }
         }
-        let seen = (0..n).map(|i| gram[(i, i)] / raw[i].max(f64::MIN_POSITIVE)).fold(0.0, f64::max);
+        let share_outside =
+            (0..n).map(|i| gram[(i, i)] / raw[i].max(f64::MIN_POSITIVE)).fold(0.0, f64::max);
         for i in 0..n {
             gram[(i, i)] += ridge * raw[i] + f64::MIN_POSITIVE;
         }
         let cholesky = Cholesky::of(&gram)?;
         let amplitudes = cholesky.solve(&common);
         let gain_mm2 = dot(&amplitudes, &common);
-        Some(Explained { gain_mm2, seen, amplitudes, cholesky })
+        Some(Explained { gain_mm2, share_outside, amplitudes, cholesky })
     }
 }
 
@@ -311,7 +303,7 @@ pub(crate) struct Sums {
 }
 
 impl Sums {
-    /// What a wave over the bins explains, mm², without regard to what is spanned: right for shapes that wave so
+    /// What a wave over the bins explains, mm², without regard to what is followed: right for shapes that wave so
     /// fast that the cubics do not follow.
     pub(crate) fn explained(&self, sine: &[f64], cosine: &[f64]) -> f64 {
         let (ss, cc, sc) = self.products(sine, cosine);

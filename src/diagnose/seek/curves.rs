@@ -3,12 +3,9 @@
 use rayon::prelude::*;
 
 use super::candidate::Tried;
-use super::channel::{Channel, Place};
+use super::channel::Look;
 use crate::model::{Empirical, Form, place};
-use crate::residual::data::Data;
-use crate::residual::element::{Element, Owner};
-use crate::residual::joint::{self, Fitted};
-use crate::residual::noise::Noise;
+use crate::residual::{self, Beside, Element, Fitted, Noise, Owner};
 
 /// Knots of the first look, and of closer ones.
 const KNOTS: [usize; 3] = [24, 48, 96];
@@ -36,17 +33,11 @@ struct Curve {
 }
 
 impl Curve {
-    fn is_over(&self, channel: &Channel) -> bool {
-        let Place { seat, variable, with_sense } = channel.place;
-        let Empirical { seat: on, variable: over, with_sense: signed, .. } = &self.empirical;
-        (seat, variable, with_sense) == (*on, *over, *signed)
-    }
-
     /// The curve without the knots that it does not need: between which it is straight, up to chance.
     ///
     /// A knot is gone when the curve there lies on the line between its neighbours, `w^T a = 0`; that costs
     /// `(w^T a)² / (w^T N^-1 w)` of the gain.
-    fn thinned(self, channel: &Channel, noise: &Noise) -> Self {
+    fn thinned(self, channel: &Look, noise: &Noise) -> Self {
         let mut empirical = self.empirical.clone();
         while empirical.knots.len() > FEWEST_KNOTS {
             let Some(explained) = channel.explained(&hats(channel, &empirical), RIDGE) else {
@@ -86,7 +77,7 @@ impl Curve {
         let Some(explained) = channel.explained(&hats(channel, &empirical), RIDGE) else {
             return self;
         };
-        let chance = 2.0 * empirical.knots.len() as f64 * noise.long_run_mm2;
+        let chance = noise.by_chance_mm2(empirical.knots.len());
         Self { empirical, score_mm2: explained.gain_mm2 - chance }
     }
 }
@@ -94,37 +85,36 @@ impl Curve {
 /// The curve that explains most of what is left, fitted to the samples themselves, with as many knots as it
 /// needs; `None` where none of those that are wanted explains `least_mm2`.
 pub(crate) fn best(
-    data: &Data,
-    channels: &[Channel],
+    beside: &Beside,
+    channels: &[Look],
     least_mm2: f64,
     wanted: &(dyn Fn(&Empirical) -> bool + Sync),
 ) -> Option<Tried> {
-    let noise = Noise::of(data);
-    let mut close = curves(channels, &noise);
+    let mut close = curves(channels, beside.noise());
     close.retain(|curve| curve.score_mm2 > least_mm2 && wanted(&curve.empirical));
     let first_mm2 = close.first()?.score_mm2;
     close.retain(|curve| curve.score_mm2 > WORTH_A_FIT * first_mm2);
     close.truncate(FITTED);
     let fit = |curve: &Curve| {
         let form = Form::Empirical(curve.empirical.clone());
-        joint::fit(data, vec![Element { form, owner: Owner::All }])
+        residual::fit(beside, vec![Element::new(form, Owner::All)])
     };
     let fitted = close.into_par_iter().filter_map(|curve| Some((fit(&curve)?, curve)));
     let fitted: Vec<(Fitted, Curve)> = fitted.collect();
     let (fitted, curve) =
         fitted.into_iter().max_by(|a, b| a.0.gain_mm2.total_cmp(&b.0.gain_mm2))?;
     // What the curve explains is no noise: beside that, more knots may show more.
-    let after = Noise::of_left(data, &fitted.left_mm(data));
-    let channel = channels.iter().find(|channel| curve.is_over(channel))?;
+    let after = Noise::of(beside.residuals, &fitted.left_mm(beside));
+    let channel = channels.iter().find(|channel| curve.empirical.dependence() == channel.of)?;
     let looks = KNOTS.iter().filter_map(|knots| look(channel, *knots, &after));
     let finest = looks.max_by(|a, b| a.score_mm2.total_cmp(&b.score_mm2))?;
     let fitted = fit(&finest.thinned(channel, &after))?;
-    let score_mm2 = fitted.gain_mm2 - 2.0 * fitted.columns.len() as f64 * after.long_run_mm2;
+    let score_mm2 = fitted.gain_mm2 - after.by_chance_mm2(fitted.columns.len());
     (score_mm2 > least_mm2).then_some(Tried { fitted, score_mm2 })
 }
 
 /// What the best curve explains at the first look, mm².
-pub(crate) fn most_mm2(channels: &[Channel], noise: &Noise) -> f64 {
+pub(crate) fn most_mm2(channels: &[Look], noise: &Noise) -> f64 {
     let looks: Vec<f64> = channels
         .par_iter()
         .filter_map(|channel| Some(look(channel, KNOTS[0], noise)?.score_mm2))
@@ -133,7 +123,7 @@ pub(crate) fn most_mm2(channels: &[Channel], noise: &Noise) -> f64 {
 }
 
 /// The curves that explain most, the best first.
-fn curves(channels: &[Channel], noise: &Noise) -> Vec<Curve> {
+fn curves(channels: &[Look], noise: &Noise) -> Vec<Curve> {
     let mut first: Vec<(usize, Curve)> = channels
         .par_iter()
         .enumerate()
@@ -160,16 +150,16 @@ fn curves(channels: &[Channel], noise: &Noise) -> Vec<Curve> {
 }
 
 /// A curve with so many knots over the bins of a channel.
-fn look(channel: &Channel, knots: usize, noise: &Noise) -> Option<Curve> {
+fn look(channel: &Look, knots: usize, noise: &Noise) -> Option<Curve> {
     let empirical = on_knots(channel, knots)?;
     let hats = hats(channel, &empirical);
     let explained = channel.explained(&hats, RIDGE)?;
-    let chance = 2.0 * empirical.knots.len() as f64 * noise.long_run_mm2;
+    let chance = noise.by_chance_mm2(empirical.knots.len());
     Some(Curve { empirical, score_mm2: explained.gain_mm2 - chance })
 }
 
 /// A curve with its knots so that every stretch between them is worth the same.
-fn on_knots(channel: &Channel, count: usize) -> Option<Empirical> {
+fn on_knots(channel: &Look, count: usize) -> Option<Empirical> {
     let squares = channel.squares();
     let total: f64 = squares.iter().sum();
     let mut knots: Vec<f64> = Vec::new();
@@ -187,15 +177,15 @@ fn on_knots(channel: &Channel, count: usize) -> Option<Empirical> {
         knots.push(*last);
     }
     (knots.len() > 3).then_some(Empirical {
-        seat: channel.place.seat,
-        variable: channel.place.variable,
-        with_sense: channel.place.with_sense,
+        seat: channel.of.seat,
+        variable: channel.of.variable,
+        with_sense: channel.of.with_sense,
         knots,
     })
 }
 
 /// The hats of a curve over the bins.
-fn hats(channel: &Channel, curve: &Empirical) -> Vec<Vec<f64>> {
+fn hats(channel: &Look, curve: &Empirical) -> Vec<Vec<f64>> {
     let mut hats = vec![vec![0.0; channel.centers.len()]; curve.knots.len()];
     for (bin, center) in channel.centers.iter().enumerate() {
         let (first, share) = place(&curve.knots, *center);

@@ -5,18 +5,15 @@ use std::f64::consts::TAU;
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
-use super::channel::Channel;
+use super::channel::{Channel, Look};
 use super::curves;
 use super::knock;
 use super::vibration;
 use crate::diagnose::thresholds::SEEN;
 use crate::identify::Campaign;
 use crate::machine::Axis;
-use crate::model::{Ball, Coefficient, Component, Form, Kind, Power, Seat, SetUp, Shape, Variable};
-use crate::residual::data::Data;
-use crate::residual::element::{Element, Owner};
-use crate::residual::joint::System;
-use crate::residual::noise::Noise;
+use crate::model::{Ball, Coefficient, Component, Kind, Power, Seat, SetUp, Shape, Variable};
+use crate::residual::{Beside, Element, System, Tuning};
 
 /// The shortest period looked for, mm: a reading every 0.83 mm still tells it.
 const SHORTEST_MM: f64 = 2.0;
@@ -27,12 +24,20 @@ const PERIODS: usize = 4;
 const SIDE_LOBES: usize = 12;
 /// Waves shorter than this part of the way are not followed by the cubics.
 const FAST: f64 = 6.0;
-/// The residuals gathered over everything that effects may hang on.
+/// Everything that effects may hang on, gathered once.
 #[derive(Debug)]
 pub(crate) struct Screen {
-    pub(crate) channels: Vec<Channel>,
+    channels: Vec<Channel>,
     /// Causes that hang on nothing that is gathered: pass over the samples each.
     direct: Vec<(Element, System)>,
+}
+
+/// What the screen shows beside what is accepted.
+#[derive(Debug)]
+pub(crate) struct Prospect<'a> {
+    pub(crate) beside: Beside<'a>,
+    pub(crate) looks: Vec<Look<'a>>,
+    direct: &'a [(Element, System)],
 }
 
 /// Numbers from one to another, evenly in the logarithm.
@@ -43,7 +48,7 @@ fn grid(low: f64, high: f64, count: usize) -> Vec<f64> {
 
 impl Screen {
     /// Gathers what an effect may hang on.
-    pub(crate) fn new(data: &Data, campaign: &Campaign) -> Self {
+    pub(crate) fn new(alone: &Beside, campaign: &Campaign) -> Self {
         let mut plan: Vec<(Variable, bool, Vec<Seat>)> = Vec::new();
         for axis in Axis::ALL {
             let functions: Vec<Seat> = Component::ALL
@@ -75,7 +80,7 @@ impl Screen {
         let channels: Vec<Vec<Channel>> = plan
             .par_iter()
             .map(|(variable, with_sense, seats)| {
-                Channel::gather(data, *variable, *with_sense, seats)
+                Channel::gather(alone.residuals, *variable, *with_sense, seats)
             })
             .collect();
         let mut direct: Vec<Shape> = (3..=6)
@@ -103,46 +108,50 @@ impl Screen {
             .into_par_iter()
             .filter_map(|shape| {
                 let element = Element::shared(shape);
-                let system = System::of(data, &element);
-                // What the model spans is never seen again.
-                (system.seen() > SEEN).then_some((element, system))
+                let system = System::of(alone, &element);
+                // What the model follows never shows.
+                (system.share_outside() > SEEN).then_some((element, system))
             })
             .collect();
         Self { channels: channels.into_iter().flatten().collect(), direct }
     }
 
-    /// Gathers anew after effects have been accepted.
-    pub(crate) fn renew(&mut self, data: &Data) {
-        self.channels.par_iter_mut().for_each(|channel| channel.renew(data));
+    /// What shows beside what is accepted.
+    pub(crate) fn beside<'a>(&'a self, beside: Beside<'a>) -> Prospect<'a> {
+        let looks = self.channels.par_iter().map(|channel| channel.beside(&beside)).collect();
+        Prospect { looks, direct: &self.direct, beside }
     }
+}
 
+impl Prospect<'_> {
     /// Candidates, the best of each cause and seat, in no order; what takes longer to look for is left out
     /// where it explains less than `least_mm2`.
-    pub(crate) fn candidates(&self, data: &Data, least_mm2: f64) -> Vec<Candidate> {
+    pub(crate) fn candidates(&self, tuning: &Tuning, least_mm2: f64) -> Vec<Candidate> {
+        let beside = &self.beside;
         let mut found: Vec<Candidate> =
-            self.channels.par_iter().map(of_channel).collect::<Vec<_>>().concat();
+            self.looks.par_iter().map(of_channel).collect::<Vec<_>>().concat();
         let direct: Vec<Option<Candidate>> = self
             .direct
             .par_iter()
             .map(|(element, system)| {
-                let gain_mm2 = system.gain_mm2(data)?;
+                let gain_mm2 = system.gain_mm2(beside)?;
                 Some(Candidate { element: element.clone(), gain_mm2 })
             })
             .collect();
         found.extend(direct.into_iter().flatten());
-        found.extend(knock::candidates(data));
+        found.extend(knock::candidates(beside));
         // A line that explains much less than something else is that one's shadow.
-        let curve_mm2 = curves::most_mm2(&self.channels, &Noise::of(data));
+        let curve_mm2 = curves::most_mm2(&self.looks, beside.noise());
         let best_mm2 =
             found.iter().map(|found| found.gain_mm2).fold(least_mm2.max(curve_mm2), f64::max);
-        found.extend(vibration::candidates(data, best_mm2));
+        found.extend(vibration::candidates(beside, tuning, best_mm2));
         found
     }
 }
 
 /// The causes that hang on a channel's variable.
-fn of_channel(channel: &Channel) -> Vec<Candidate> {
-    let place = channel.place;
+fn of_channel(channel: &Look) -> Vec<Candidate> {
+    let place = channel.of;
     let one = |kind: Kind, inners: &[Option<f64>], shape: &dyn Fn(f64, f64) -> f64| {
         let best = inners
             .iter()
@@ -150,7 +159,7 @@ fn of_channel(channel: &Channel) -> Vec<Candidate> {
                 let at = inner.unwrap_or(0.0);
                 let over: Vec<f64> = channel.centers.iter().map(|v| shape(*v, at)).collect();
                 let explained = channel.explained(&[over], 0.0)?;
-                (explained.seen > SEEN).then_some((*inner, explained.gain_mm2))
+                (explained.share_outside > SEEN).then_some((*inner, explained.gain_mm2))
             })
             .max_by(|a, b| a.1.total_cmp(&b.1));
         best.map(|(inner, gain_mm2)| {
@@ -199,7 +208,7 @@ fn of_channel(channel: &Channel) -> Vec<Candidate> {
 }
 
 /// The periods of an error function that explain most.
-fn cyclic(channel: &Channel) -> Vec<Candidate> {
+fn cyclic(channel: &Look) -> Vec<Candidate> {
     let (low, high) = channel
         .centers
         .iter()
@@ -256,11 +265,11 @@ fn cyclic(channel: &Channel) -> Vec<Candidate> {
             let explained = channel.explained(&waves(number), 1e-6)?;
             let shape = Shape {
                 cause: Kind::Cyclic.cause(),
-                seat: channel.place.seat,
+                seat: channel.of.seat,
                 inner: Some(number.recip()),
             };
-            (explained.seen > SEEN).then_some(Candidate {
-                element: Element { form: Form::Cause(shape), owner: Owner::All },
+            (explained.share_outside > SEEN).then_some(Candidate {
+                element: Element::shared(shape),
                 gain_mm2: explained.gain_mm2,
             })
         })

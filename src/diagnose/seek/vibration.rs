@@ -7,9 +7,8 @@ use rustfft::num_complex::Complex;
 use super::candidate::Candidate;
 use crate::machine::Axis;
 use crate::model::{Ball, Form, Kind, Seat, SetUp, Shape};
-use crate::residual::data::Data;
-use crate::residual::element::{Element, Owner};
-use crate::residual::noise::Noise;
+use crate::residual::{Beside, Element, Owner, Sample, Tuning};
+use crate::solve::median;
 
 /// Slower than this is no vibration, Hz.
 const SLOWEST_HZ: f64 = 0.05;
@@ -42,13 +41,13 @@ struct Spectrum {
 ///
 /// Between the sample rates of several runs, and by the differences of their clocks, aliases can be told
 /// apart: each is tried on the samples themselves.
-pub(crate) fn candidates(data: &Data, least_mm2: f64) -> Vec<Candidate> {
+pub(crate) fn candidates(beside: &Beside, tuning: &Tuning, least_mm2: f64) -> Vec<Candidate> {
     let cause = Kind::Vibration.cause();
     let balls = Axis::ALL.map(|axis| Seat::Ball(SetUp { ball: Ball::Tool, axis }));
     let seats: Vec<Seat> = balls.into_iter().chain([Seat::Bar]).collect();
     let mut planner = FftPlanner::new();
     let spectra: Vec<Vec<Spectrum>> =
-        seats.iter().map(|seat| spectra(data, *seat, &mut planner)).collect();
+        seats.iter().map(|seat| spectra(beside, *seat, &mut planner)).collect();
     let mut lines: Vec<(Seat, f64, f64, f64)> = Vec::new();
     for (seat, spectra) in seats.iter().zip(&spectra) {
         for group in groups(spectra) {
@@ -72,12 +71,13 @@ pub(crate) fn candidates(data: &Data, least_mm2: f64) -> Vec<Candidate> {
     let mut found: Vec<Candidate> = tried
         .into_par_iter()
         .map(|(seat, about_hz)| {
-            let step_hz = 0.25 / data.longest_s();
+            let step_hz = 0.25 / beside.residuals.longest_s();
             let near = (-4..=4).map(|k| about_hz + f64::from(k) * step_hz);
-            let gains = near.map(|hz| (hz, coherent_mm2(data, seat, hz)));
+            let gains = near.map(|hz| (hz, coherent_mm2(beside, tuning, seat, hz)));
             let best = gains.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((about_hz, 0.0));
             let shape = Shape { cause, seat, inner: Some(best.0) };
-            let element = Element { form: Form::Cause(shape), owner: Owner::EachRun };
+            let tuning = tuning.clone();
+            let element = Element { form: Form::Cause(shape), owner: Owner::EachRun, tuning };
             Candidate { element, gain_mm2: best.1 }
         })
         .collect();
@@ -88,23 +88,23 @@ pub(crate) fn candidates(data: &Data, least_mm2: f64) -> Vec<Candidate> {
 
 /// What a line of one frequency explains with a phase of its own in every run, mm², where nothing of it is
 /// spanned.
-fn coherent_mm2(data: &Data, seat: Seat, frequency_hz: f64) -> f64 {
-    let runs = data.blocks.iter().enumerate().flat_map(|(b, block)| {
-        (0..block.runs.len()).map(move |run| in_run_mm2(data, b, run, seat, frequency_hz))
-    });
-    runs.sum()
+fn coherent_mm2(beside: &Beside, tuning: &Tuning, seat: Seat, frequency_hz: f64) -> f64 {
+    let runs = beside.residuals.runs();
+    runs.map(|(repeat, run)| {
+        in_run_mm2(beside, repeat, run, seat, frequency_hz * tuning.factor(repeat, run))
+    })
+    .sum()
 }
 
 /// The same in one run.
-fn in_run_mm2(data: &Data, block: usize, run: usize, seat: Seat, frequency_hz: f64) -> f64 {
-    let left_mm = &data.left_mm[block];
-    let block = &data.blocks[block];
-    let frequency_hz = frequency_hz * block.tuned[run];
-    let run = &block.runs[run];
+fn in_run_mm2(beside: &Beside, repeat: usize, run: usize, seat: Seat, frequency_hz: f64) -> f64 {
+    let left_mm = &beside.left_mm[repeat];
+    let of = &beside.residuals.repeats[repeat];
+    let run = &of.runs[run].samples;
     let (mut s, mut c, mut squares) = (0.0, 0.0, 0.0);
-    for (sample, left) in block.samples[run.clone()].iter().zip(&left_mm[run.clone()]) {
+    for (sample, left) in of.samples[run.clone()].iter().zip(&left_mm[run.clone()]) {
         let worth = seat.sensitivity(&sample.situation) * sample.root_weight;
-        let turns = frequency_hz * sample.situation.motion.elapsed_s;
+        let turns = frequency_hz * sample.elapsed_s();
         let (sine, cosine) = (std::f64::consts::TAU * turns.fract()).sin_cos();
         s += worth * sine * left;
         c += worth * cosine * left;
@@ -113,59 +113,50 @@ fn in_run_mm2(data: &Data, block: usize, run: usize, seat: Seat, frequency_hz: f
     (s * s + c * c) / (0.5 * squares).max(f64::MIN_POSITIVE)
 }
 
-/// Lets the frequency of a vibration differ from run to run; whether it does.
+/// How the frequency of a vibration differs from run to run; `None` where it does not.
 ///
-/// The source is no clock, and two clocks are no clock either. All vibrations are tuned alike: once.
-pub(crate) fn tune(data: &mut Data, element: &Element, noise: &Noise) -> bool {
-    let Some(shape) = element.shape().filter(|shape| shape.cause.kind == Kind::Vibration) else {
-        return false;
-    };
-    let Some(frequency_hz) = shape.inner.filter(|_| !data.tuned) else { return false };
-    let step = TURN / (frequency_hz * data.longest_s());
+/// The source is no clock, and two clocks are no clock either.
+pub(crate) fn tuned(beside: &Beside, element: &Element) -> Option<Tuning> {
+    let shape = element.shape().filter(|shape| shape.cause.kind == Kind::Vibration)?;
+    let frequency_hz = shape.inner?;
+    let step = TURN / (frequency_hz * beside.residuals.longest_s());
     let steps = (FARTHEST / step).ceil().min(MOST_STEPS) as i32;
-    let all: Vec<(usize, usize)> = data
-        .blocks
-        .iter()
-        .enumerate()
-        .flat_map(|(b, block)| (0..block.runs.len()).map(move |run| (b, run)))
-        .collect();
-    let found: Vec<(usize, usize, f64)> = all
+    let in_run = |repeat: usize, run: usize| {
+        let gain = |factor: f64| in_run_mm2(beside, repeat, run, shape.seat, frequency_hz * factor);
+        let each = (-steps..=steps).map(|k| 1.0 + f64::from(k) * step);
+        let (factor, best_mm2) =
+            each.map(|factor| (factor, gain(factor))).max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let worth_it = best_mm2 - gain(1.0) > TUNED * beside.noise().long_run_mm2;
+        worth_it.then_some(factor)
+    };
+    let factors: Vec<Vec<Option<f64>>> = (0..beside.residuals.repeats.len())
         .into_par_iter()
-        .filter_map(|(b, run)| {
-            let gain = |tuned: f64| in_run_mm2(data, b, run, shape.seat, frequency_hz * tuned);
-            let each = (-steps..=steps).map(|k| 1.0 + f64::from(k) * step);
-            let (tuned, best_mm2) =
-                each.map(|tuned| (tuned, gain(tuned))).max_by(|a, b| a.1.total_cmp(&b.1))?;
-            let worth_it = best_mm2 - gain(1.0) > TUNED * noise.long_run_mm2;
-            worth_it.then_some((b, run, tuned))
+        .map(|repeat| {
+            let runs = 0..beside.residuals.repeats[repeat].runs.len();
+            runs.into_par_iter().map(|run| in_run(repeat, run)).collect()
         })
         .collect();
-    for (b, run, tuned) in &found {
-        data.blocks[*b].tuned[*run] = *tuned;
-    }
-    data.tuned = !found.is_empty();
-    data.tuned
+    let differs = factors.iter().flatten().any(Option::is_some);
+    let of_runs = |runs: Vec<Option<f64>>| runs.into_iter().map(|f| f.unwrap_or(1.0)).collect();
+    differs.then(|| Tuning::of(factors.into_iter().map(of_runs).collect()))
 }
 
 /// One spectrum a run.
-fn spectra(data: &Data, seat: Seat, planner: &mut FftPlanner<f64>) -> Vec<Spectrum> {
+fn spectra(beside: &Beside, seat: Seat, planner: &mut FftPlanner<f64>) -> Vec<Spectrum> {
     let mut spectra = Vec::new();
-    for (block, left_mm) in data.blocks.iter().zip(&data.left_mm) {
-        for run in &block.runs {
-            let samples = &block.samples[run.clone()];
-            let Some(period_s) = period_s(samples.iter().map(|s| s.situation.motion.elapsed_s))
-            else {
-                continue;
-            };
-            let first_s = samples[0].situation.motion.elapsed_s;
+    for (repeat, left_mm) in beside.residuals.repeats.iter().zip(beside.left_mm.iter()) {
+        for run in repeat.runs.iter().map(|run| &run.samples) {
+            let samples = &repeat.samples[run.clone()];
+            let Some(period_s) = period_s(samples) else { continue };
+            let first_s = samples[0].elapsed_s();
             let place = |elapsed_s: f64| ((elapsed_s - first_s) / period_s).round() as usize;
-            let last = samples.last().map_or(0, |s| place(s.situation.motion.elapsed_s));
+            let last = samples.last().map_or(0, |s| place(s.elapsed_s()));
             let length = (2 * (last + 1)).next_power_of_two();
             let mut signal = vec![Complex::new(0.0, 0.0); length];
             let mut squares = 0.0;
             for (sample, left) in samples.iter().zip(&left_mm[run.clone()]) {
                 let worth = seat.sensitivity(&sample.situation) * sample.root_weight;
-                signal[place(sample.situation.motion.elapsed_s).min(length - 1)].re += worth * left;
+                signal[place(sample.elapsed_s()).min(length - 1)].re += worth * left;
                 squares += worth * worth;
             }
             planner.plan_fft_forward(length).process(&mut signal);
@@ -182,11 +173,9 @@ fn spectra(data: &Data, seat: Seat, planner: &mut FftPlanner<f64>) -> Vec<Spectr
 }
 
 /// The usual distance of samples, s.
-fn period_s(times_s: impl Iterator<Item = f64>) -> Option<f64> {
-    let times_s: Vec<f64> = times_s.collect();
-    let mut steps: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    steps.sort_by(f64::total_cmp);
-    steps.get(steps.len() / 2).copied().filter(|step| *step > 0.0)
+fn period_s(samples: &[Sample]) -> Option<f64> {
+    let steps = samples.windows(2).map(|pair| pair[1].elapsed_s() - pair[0].elapsed_s()).collect();
+    median(steps).filter(|step_s| *step_s > 0.0)
 }
 
 /// Spectra of the same sample rate.

@@ -5,9 +5,9 @@
 
 use serde::Serialize;
 
-use crate::model::{Empirical, Form, Seat, Variable, place};
-use crate::residual::element::Element;
-use crate::solve::{Cholesky, Matrix};
+use crate::model::{Seat, Variable, place};
+use crate::residual::Element;
+use crate::solve::{Cholesky, Matrix, median};
 
 /// Fits of the trend; each heeds what stands out of the one before less.
 const FITS: usize = 6;
@@ -40,16 +40,6 @@ pub(super) fn shown_in(seat: Seat) -> (&'static str, f64) {
     match seat {
         Seat::Function(_, component) if component.is_angular() => ("urad", 1e6),
         _ => ("um", 1e3),
-    }
-}
-
-impl Element {
-    /// Its curve, where no cause explains it.
-    pub fn curve(&self) -> Option<&Empirical> {
-        match &self.form {
-            Form::Empirical(curve) => Some(curve),
-            Form::Cause(_) => None,
-        }
     }
 }
 
@@ -133,9 +123,8 @@ fn without_trend(knots: &[f64], values: &[f64], degree: usize) -> Option<Vec<f64
                 values[i] - fitted
             })
             .collect();
-        let mut sizes: Vec<f64> = rest.iter().map(|r| r.abs()).collect();
-        sizes.sort_by(f64::total_cmp);
-        let limit = OUTSTANDING * sizes[sizes.len() / 2].max(1e-12);
+        let usual = median(rest.iter().map(|r| r.abs()).collect())?;
+        let limit = OUTSTANDING * usual.max(1e-12);
         weights = rest.iter().map(|r| (1.0 - (r / limit).powi(2)).max(0.0).powi(2)).collect();
     }
     Some(rest)
@@ -145,8 +134,9 @@ fn without_trend(knots: &[f64], values: &[f64], degree: usize) -> Option<Vec<f64
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::diagnose::Owner;
     use crate::machine::Axis;
+    use crate::model::{Empirical, Form};
+    use crate::residual::Owner;
 
     #[test]
     fn a_bump_is_found_on_any_cubic() {
@@ -160,7 +150,7 @@ mod tests {
             with_sense: false,
             knots,
         };
-        let element = Element { form: Form::Empirical(curve), owner: Owner::All };
+        let element = Element::new(Form::Empirical(curve), Owner::All);
         let feature = Feature::of(&element, &values).unwrap();
         assert!((feature.at - 42.0).abs() < 1.0, "{}", feature.at);
         assert!((feature.height / 2.0 - 1.0).abs() < 0.1, "{}", feature.height);

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::sample::{AZIMUTH, ELAPSED, FEED, POLAR_ANGLE, Seen};
+use super::sample::Shown;
 use super::view::{Bin, Kind, Subject, View};
 use crate::machine::Axis;
 use crate::model::Variable;
@@ -25,13 +25,13 @@ enum Weight {
 }
 
 impl Weight {
-    fn of(self, seen: &Seen) -> f64 {
+    fn of(self, shown: &Shown) -> f64 {
         match self {
             Self::One => 1.0,
-            Self::Sense(axis) => seen.sense[axis.index()],
-            Self::Along(axis) => seen.direction[axis.index()],
-            Self::AlongSense(along, of) => seen.direction[along.index()] * seen.sense[of.index()],
-            Self::Way => seen.way,
+            Self::Sense(axis) => shown.sense[axis.index()],
+            Self::Along(axis) => shown.direction[axis.index()],
+            Self::AlongSense(along, of) => shown.direction[along.index()] * shown.sense[of.index()],
+            Self::Way => shown.way,
         }
     }
 
@@ -47,81 +47,109 @@ impl Weight {
 }
 
 /// What a view is against.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Against {
-    Value(usize),
+    Position(Axis),
+    Velocity(Axis),
+    SinceReversal(Axis),
+    Elapsed,
+    Azimuth,
+    Polar,
+    Feed,
+    /// The angle on a circle; its index.
     Circle(usize),
 }
 
 impl Against {
-    fn of(&self, seen: &Seen) -> f64 {
+    /// `None` where a sample has no place in the view.
+    fn of(self, shown: &Shown) -> Option<f64> {
         match self {
-            Self::Value(index) => seen.values[*index],
-            Self::Circle(circle) if seen.on_circle.0 == *circle => seen.on_circle.1,
-            Self::Circle(_) => f64::NAN,
+            Self::Position(axis) => Some(shown.position_mm[axis.index()]),
+            Self::Velocity(axis) => Some(shown.velocity_mm_s[axis.index()]),
+            Self::SinceReversal(axis) => shown.since_reversal_s[axis.index()],
+            Self::Elapsed => Some(shown.elapsed_s),
+            Self::Azimuth => Some(shown.azimuth_deg),
+            Self::Polar => Some(shown.polar_deg),
+            Self::Feed => Some(shown.feed_mm_min),
+            Self::Circle(circle) => (shown.circle == circle).then_some(shown.on_circle_deg),
         }
     }
 
-    fn subject(&self) -> Subject {
+    fn name(self, circles: &[String]) -> String {
         match self {
-            Self::Value(0..=2) => Subject::Position,
-            Self::Value(3..=5) => Subject::Velocity,
-            Self::Value(index @ 6..=8) => Subject::SinceReversal(Axis::ALL[index - 6]),
-            Self::Value(ELAPSED) => Subject::Elapsed,
-            Self::Value(AZIMUTH) => Subject::Azimuth,
-            Self::Value(POLAR_ANGLE) => Subject::PolarAngle,
-            Self::Value(_) => Subject::Feed,
+            Self::Position(axis) => Variable::Position(axis).to_string(),
+            Self::Velocity(axis) => Variable::Velocity(axis).to_string(),
+            Self::SinceReversal(axis) => Variable::SinceReversal(axis).to_string(),
+            Self::Elapsed => Variable::Elapsed.to_string(),
+            Self::Azimuth => "azimuth of the bar".to_owned(),
+            Self::Polar => "polar angle of the bar".to_owned(),
+            Self::Feed => "feed".to_owned(),
+            Self::Circle(circle) => format!("angle on {}", circles[circle]),
+        }
+    }
+
+    fn subject(self) -> Subject {
+        match self {
+            Self::Position(_) => Subject::Position,
+            Self::Velocity(_) => Subject::Velocity,
+            Self::SinceReversal(axis) => Subject::SinceReversal(axis),
+            Self::Elapsed => Subject::Elapsed,
+            Self::Azimuth => Subject::Azimuth,
+            Self::Polar => Subject::PolarAngle,
+            Self::Feed => Subject::Feed,
             Self::Circle(_) => Subject::Circle,
+        }
+    }
+
+    fn unit(self) -> &'static str {
+        match self {
+            Self::Position(_) => "mm",
+            Self::Velocity(_) => "mm/s",
+            Self::SinceReversal(_) | Self::Elapsed => "s",
+            Self::Azimuth | Self::Polar | Self::Circle(_) => "deg",
+            Self::Feed => "mm/min",
         }
     }
 }
 
-/// All views as means, in fixed order.
-pub(crate) fn views(all: &[Seen], circles: &[String], long_run_mm2: f64) -> Vec<View> {
-    let mut wanted: Vec<(Against, String, &'static str, Weight)> = Vec::new();
+/// What is looked at, in fixed order.
+fn wanted(circles: usize) -> Vec<(Against, Weight)> {
+    let mut wanted = Vec::new();
     for axis in Axis::ALL {
-        let i = axis.index();
-        let position = Variable::Position(axis);
         let mut weights = vec![Weight::One, Weight::Sense(axis)];
         weights.extend(Axis::ALL.map(Weight::Along));
         weights.extend(Axis::ALL.map(|along| Weight::AlongSense(along, axis)));
-        wanted.extend(
-            weights.into_iter().map(|w| (Against::Value(i), position.to_string(), "mm", w)),
-        );
-        let velocity = Variable::Velocity(axis).to_string();
-        for weight in [Weight::One, Weight::Along(axis)] {
-            wanted.push((Against::Value(3 + i), velocity.clone(), "mm/s", weight));
-        }
-        let since = Variable::SinceReversal(axis).to_string();
-        for weight in [Weight::Sense(axis), Weight::AlongSense(axis, axis)] {
-            wanted.push((Against::Value(6 + i), since.clone(), "s", weight));
-        }
+        wanted.extend(weights.into_iter().map(|w| (Against::Position(axis), w)));
+        let weights = [Weight::One, Weight::Along(axis)];
+        wanted.extend(weights.map(|w| (Against::Velocity(axis), w)));
+        let weights = [Weight::Sense(axis), Weight::AlongSense(axis, axis)];
+        wanted.extend(weights.map(|w| (Against::SinceReversal(axis), w)));
     }
-    for weight in [Weight::One].into_iter().chain(Axis::ALL.map(Weight::Along)) {
-        wanted.push((Against::Value(ELAPSED), Variable::Elapsed.to_string(), "s", weight));
-    }
-    wanted.push((Against::Value(AZIMUTH), "azimuth of the bar".into(), "deg", Weight::One));
-    wanted.push((Against::Value(POLAR_ANGLE), "polar angle of the bar".into(), "deg", Weight::One));
-    wanted.push((Against::Value(FEED), "feed".into(), "mm/min", Weight::One));
-    for (index, circle) in circles.iter().enumerate() {
-        for weight in [Weight::One, Weight::Way] {
-            wanted.push((Against::Circle(index), format!("angle on {circle}"), "deg", weight));
-        }
+    let weights = [Weight::One].into_iter().chain(Axis::ALL.map(Weight::Along));
+    wanted.extend(weights.map(|w| (Against::Elapsed, w)));
+    wanted.extend([Against::Azimuth, Against::Polar, Against::Feed].map(|a| (a, Weight::One)));
+    for circle in 0..circles {
+        wanted.extend([Weight::One, Weight::Way].map(|w| (Against::Circle(circle), w)));
     }
     wanted
+}
+
+/// All views as means, in fixed order.
+pub(crate) fn views(all: &[Shown], circles: &[String], long_run_mm2: f64) -> Vec<View> {
+    wanted(circles.len())
         .into_par_iter()
-        .filter_map(|(against, variable, unit, weight)| {
-            let counted = match (&against, weight) {
+        .filter_map(|(against, weight)| {
+            let counted = match (against, weight) {
                 (Against::Circle(_), Weight::One) => "mean of both ways".into(),
                 _ => weight.name(),
             };
-            let sums = Sums::new(all, |seen| (against.of(seen), weight.of(seen)))?;
+            let sums = Sums::new(all, |shown| (against.of(shown), weight.of(shown)))?;
             let (width, share_before, share_after) = sums.best();
             Some(View {
                 subject: against.subject(),
-                variable,
+                variable: against.name(circles),
                 counted,
-                unit,
+                unit: against.unit(),
                 kind: Kind::Means,
                 bins: sums.bins(width, long_run_mm2),
                 share_before,
@@ -162,31 +190,28 @@ struct Sums {
 
 impl Sums {
     /// `None` where nothing varies.
-    fn new(all: &[Seen], of: impl Fn(&Seen) -> (f64, f64)) -> Option<Self> {
-        let finite = all.iter().map(|seen| of(seen).0).filter(|x| x.is_finite());
+    fn new(all: &[Shown], of: impl Fn(&Shown) -> (Option<f64>, f64)) -> Option<Self> {
+        let finite = all.iter().filter_map(|shown| of(shown).0);
         let (low, high) =
             finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
         if high - low <= 1e-9 * high.abs() || !(high - low).is_finite() {
             return None;
         }
-        let folds = all.iter().map(|seen| seen.fold + 1).max()?;
+        let folds = all.iter().map(|shown| shown.fold + 1).max()?;
         let mut sums = Self {
             folds: vec![vec![Sum::default(); BINS]; folds],
             squares_before: 0.0,
             squares_after: 0.0,
         };
         let scale = BINS as f64 / (high - low);
-        for seen in all {
-            sums.squares_before += seen.before_mm * seen.before_mm;
-            sums.squares_after += seen.after_mm * seen.after_mm;
-            let (x, w) = of(seen);
-            if !x.is_finite() {
-                continue;
-            }
+        for shown in all {
+            sums.squares_before += shown.before_mm * shown.before_mm;
+            sums.squares_after += shown.after_mm * shown.after_mm;
+            let (Some(x), w) = of(shown) else { continue };
             let bin = (((x - low) * scale) as usize).min(BINS - 1);
-            let sum = &mut sums.folds[seen.fold][bin];
-            sum.before += w * seen.before_mm;
-            sum.after += w * seen.after_mm;
+            let sum = &mut sums.folds[shown.fold][bin];
+            sum.before += w * shown.before_mm;
+            sum.after += w * shown.after_mm;
             sum.weight += w * w;
             sum.place += x;
             sum.count += 1.0;
@@ -272,11 +297,10 @@ impl Sums {
 
 #[cfg(test)]
 mod tests {
-    use super::super::sample::VALUES;
     use super::*;
 
     /// Samples of five runs with noise of one, and a wave along X of some amplitude.
-    fn samples(amplitude_mm: f64) -> Vec<Seen> {
+    fn samples(amplitude_mm: f64) -> Vec<Shown> {
         let mut state = 1_u64;
         let mut noise = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
@@ -284,11 +308,10 @@ mod tests {
         };
         (0..20_000)
             .map(|k| {
-                let mut values = [f64::NAN; VALUES];
-                values[0] = f64::from(k % 4000) * 0.075;
-                let wave = amplitude_mm * (values[0] / 10.0 * std::f64::consts::TAU).sin();
+                let x_mm = f64::from(k % 4000) * 0.075;
+                let wave = amplitude_mm * (x_mm / 10.0 * std::f64::consts::TAU).sin();
                 let before_mm = wave + noise();
-                Seen {
+                Shown {
                     run: (k / 4000) as usize,
                     fold: (k / 4000) as usize,
                     before_mm,
@@ -296,8 +319,8 @@ mod tests {
                     direction: [1.0, 0.0, 0.0],
                     sense: [1.0; 3],
                     way: 1.0,
-                    values,
-                    on_circle: (0, 0.0),
+                    position_mm: [x_mm, 0.0, 0.0],
+                    ..Shown::default()
                 }
             })
             .collect()
@@ -305,8 +328,8 @@ mod tests {
 
     #[test]
     fn noise_scores_nothing_and_a_wave_its_variance() {
-        let of = |seen: &[Seen]| {
-            let views = views(seen, &[], 1.0 / 12.0);
+        let of = |shown: &[Shown]| {
+            let views = views(shown, &[], 1.0 / 12.0);
             let view = views.into_iter().find(|view| view.name() == "position of X");
             view.map_or((f64::NAN, f64::NAN), |view| (view.share_before, view.share_after))
         };

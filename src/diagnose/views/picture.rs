@@ -7,10 +7,8 @@
 use serde::Serialize;
 
 use super::feature::{Feature, shown_in};
-use crate::model::{Seat, Variable};
-use crate::residual::data::Data;
-use crate::residual::element::{Element, Owner};
-use crate::residual::joint::Fitted;
+use crate::model::{Dependence, Kind, Seat, Variable};
+use crate::residual::{Column, Element, Fitted, Owner, Residuals};
 
 /// Bins over the variable.
 const BINS: usize = 72;
@@ -48,23 +46,24 @@ pub struct Picture {
 /// What an effect is shown over: the variable, a period within which it repeats, a place beyond which
 /// nothing happens, and whether it turns with the sense of the slide.
 struct Over {
-    variable: Variable,
+    of: Dependence,
     period: Option<f64>,
     until: f64,
-    with_sense: bool,
-    seat: Seat,
 }
 
 fn over(element: &Element) -> Option<Over> {
     let plain = |variable: Variable, seat: Seat| Over {
-        variable,
+        of: Dependence { seat, variable, with_sense: false },
         period: None,
         until: f64::INFINITY,
-        with_sense: false,
-        seat,
+    };
+    let turning = |variable: Variable, seat: Seat, until: f64| Over {
+        of: Dependence { seat, variable, with_sense: true },
+        period: None,
+        until,
     };
     if let Some(curve) = element.curve() {
-        return Some(Over { with_sense: curve.with_sense, ..plain(curve.variable, curve.seat) });
+        return Some(Over { of: curve.dependence(), period: None, until: f64::INFINITY });
     }
     let shape = element.shape()?;
     let slide = match shape.seat {
@@ -73,92 +72,108 @@ fn over(element: &Element) -> Option<Over> {
     };
     let seat = shape.seat;
     let inner = shape.inner.unwrap_or(f64::INFINITY);
-    Some(match shape.cause.id {
-        "cyclic" => Over { period: Some(inner), ..plain(Variable::Position(slide?), seat) },
-        "servo" | "stick-slip" => plain(Variable::Velocity(slide?), seat),
-        "reversal-spike" => Over {
-            until: DECAYS * inner,
-            with_sense: true,
-            ..plain(Variable::SinceReversal(slide?), seat)
-        },
-        "pre-sliding" => Over {
-            until: DECAYS * inner,
-            with_sense: true,
-            ..plain(Variable::WaySinceReversal(slide?), seat)
-        },
-        "growing-backlash" => Over { with_sense: true, ..plain(Variable::Position(slide?), seat) },
-        "degree" => plain(Variable::Position(slide?), seat),
-        "drift" | "knock" => plain(Variable::Elapsed, seat),
+    Some(match shape.cause.kind {
+        Kind::Cyclic => Over { period: Some(inner), ..plain(Variable::Position(slide?), seat) },
+        Kind::Servo | Kind::StickSlip => plain(Variable::Velocity(slide?), seat),
+        Kind::ReversalSpike => turning(Variable::SinceReversal(slide?), seat, DECAYS * inner),
+        Kind::PreSliding => turning(Variable::WaySinceReversal(slide?), seat, DECAYS * inner),
+        Kind::GrowingBacklash => turning(Variable::Position(slide?), seat, f64::INFINITY),
+        Kind::Degree => plain(Variable::Position(slide?), seat),
+        Kind::Drift | Kind::Knock => plain(Variable::Elapsed, seat),
         _ => return None,
     })
 }
 
+/// A sample where an effect acts.
+struct Placed {
+    place: f64,
+    /// What one of the effect does to the length there.
+    weight: f64,
+    fitted_mm: f64,
+    /// The effect with what is left.
+    measured_mm: f64,
+}
+
+/// Sums over a bin.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    place: f64,
+    count: f64,
+    weight: f64,
+    fitted: f64,
+    measured: f64,
+}
+
+impl Sums {
+    fn add(&mut self, sample: &Placed) {
+        self.place += sample.place;
+        self.count += 1.0;
+        self.weight += sample.weight * sample.weight;
+        self.fitted += sample.weight * sample.fitted_mm;
+        self.measured += sample.weight * sample.measured_mm;
+    }
+}
+
 /// The picture of one of the fitted effects; `None` of one that hangs on no single variable.
 pub(crate) fn picture(
-    data: &Data,
+    residuals: &Residuals,
     fitted: &Fitted,
     element: usize,
-    left_mm: &[Vec<f64>],
+    left_mm: &Column,
     long_run_mm2: f64,
 ) -> Option<Picture> {
-    let of = &fitted.elements[element];
-    let Over { variable, period, until, with_sense, seat } = over(of)?;
+    let element_of = &fitted.elements[element];
+    let Over { of, period, until } = over(element_of)?;
     let part = fitted.part(element);
-    let (unit, factor) = shown_in(seat);
-    let feature = Feature::of(of, &fitted.amplitudes[element]);
-    // Place, sensitivity, effect, effect with what is left.
-    let mut samples: Vec<[f64; 4]> = Vec::new();
-    for (index, block) in data.blocks.iter().enumerate() {
-        for (k, sample) in block.samples.iter().enumerate() {
-            let elsewhere = match of.owner {
+    let (unit, factor) = shown_in(of.seat);
+    let feature = Feature::of(element_of, &fitted.amplitudes[element]);
+    let effect_mm = part.sum(residuals);
+    let mut samples: Vec<Placed> = Vec::new();
+    for (index, repeat) in residuals.repeats.iter().enumerate() {
+        for (k, sample) in repeat.samples.iter().enumerate() {
+            let elsewhere = match element_of.owner {
                 Owner::One { repeat, run } => repeat != index || run != sample.run,
                 _ => false,
             };
-            let at = &sample.situation;
-            let Some(value) = variable.value(&at.pose, &at.motion) else { continue };
+            let Some((value, factor)) = of.at(&sample.situation) else { continue };
             if elsewhere || value > until {
                 continue;
             }
-            let sense = match variable.slide() {
-                Some(axis) if with_sense => at.pose.sense[axis.index()],
-                _ => 1.0,
-            };
-            let s = sense * seat.sensitivity(at) * sample.root_weight;
-            let columns = part.columns.iter().zip(part.amplitudes.iter().flatten());
-            let effect: f64 =
-                columns.map(|(c, a)| a * c[index].get(k).copied().unwrap_or(0.0)).sum();
-            let place = period.map_or(value, |period| value.rem_euclid(period));
-            samples.push([place, s, effect, effect + left_mm[index][k]]);
+            let fitted_mm = effect_mm[index][k];
+            samples.push(Placed {
+                place: period.map_or(value, |period| value.rem_euclid(period)),
+                weight: factor * sample.root_weight,
+                fitted_mm,
+                measured_mm: fitted_mm + left_mm[index][k],
+            });
         }
     }
-    let places = || samples.iter().map(|sample| sample[0]);
+    let places = || samples.iter().map(|sample| sample.place);
     let low = if period.is_some() { 0.0 } else { places().fold(f64::INFINITY, f64::min) };
     let high = period.unwrap_or_else(|| places().fold(f64::NEG_INFINITY, f64::max));
     if !(high - low).is_finite() || high <= low {
         return None;
     }
     let scale = BINS as f64 / (high - low);
-    // Place, count, s², s · effect, s · measured.
-    let mut sums = vec![[0.0; 5]; BINS];
-    for [place, s, effect, measured] in samples {
-        let sum = &mut sums[(((place - low) * scale) as usize).min(BINS - 1)];
-        for (sum, add) in sum.iter_mut().zip([place, 1.0, s * s, s * effect, s * measured]) {
-            *sum += add;
-        }
+    let mut sums = vec![Sums::default(); BINS];
+    for sample in samples {
+        let bin = (((sample.place - low) * scale) as usize).min(BINS - 1);
+        sums[bin].add(&sample);
     }
-    let heaviest = sums.iter().map(|sum| sum[2]).fold(0.0, f64::max);
+    let heaviest = sums.iter().map(|sum| sum.weight).fold(0.0, f64::max);
     let points = sums
         .into_iter()
-        .filter(|sum| sum[1] > 0.0 && sum[2] > WORTH_SHOWING * heaviest)
-        .map(|[place, count, weight, effect, measured]| {
-            let at = place / count;
-            let left = (measured / weight - effect / weight) * factor;
+        .filter(|sum| sum.count > 0.0 && sum.weight > WORTH_SHOWING * heaviest)
+        .map(|sum| {
+            let (at, fitted) = (sum.place / sum.count, sum.fitted / sum.weight);
+            let left = (sum.measured / sum.weight - fitted) * factor;
             let of_curve = feature.as_ref().map(|feature| feature.value(at));
-            let fitted = of_curve.unwrap_or(effect / weight * factor);
-            let sigma = (long_run_mm2 / weight).sqrt() * factor;
+            let fitted = of_curve.unwrap_or(fitted * factor);
+            let sigma = (long_run_mm2 / sum.weight).sqrt() * factor;
             Point { at, measured: left + fitted, fitted, sigma }
         })
         .collect();
+    let variable = of.variable;
     let within = if period.is_some() { ", within a period" } else { "" };
     Some(Picture {
         variable: format!("{variable}{within}"),

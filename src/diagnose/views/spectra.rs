@@ -10,9 +10,10 @@ use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 
-use super::sample::Seen;
+use super::sample::Shown;
 use super::view::{Bin, Kind, Subject, View};
 use crate::machine::Axis;
+use crate::solve::median;
 
 /// Bins of a position, and points of its transform.
 const PLACES: usize = 2048;
@@ -39,7 +40,7 @@ struct Part {
 }
 
 /// Spectra over the position of each slide, resolved along X, Y and Z; and one in time for each rate.
-pub(crate) fn views(all: &[Seen], long_run_mm2: f64) -> Vec<View> {
+pub(crate) fn views(all: &[Shown], long_run_mm2: f64) -> Vec<View> {
     let pairs: Vec<(Axis, Axis)> =
         Axis::ALL.into_iter().flat_map(|of| Axis::ALL.map(|along| (of, along))).collect();
     let plan = FftPlanner::new().plan_fft_forward(POINTS);
@@ -52,30 +53,30 @@ pub(crate) fn views(all: &[Seen], long_run_mm2: f64) -> Vec<View> {
 }
 
 fn in_position(
-    all: &[Seen],
+    all: &[Shown],
     of: Axis,
     along: Axis,
     plan: &Arc<dyn Fft<f64>>,
     long_run_mm2: f64,
 ) -> Option<View> {
-    let places = || all.iter().map(|seen| seen.position_mm(of));
+    let places = || all.iter().map(|shown| shown.position_mm[of.index()]);
     let low = places().fold(f64::INFINITY, f64::min);
     let range_mm = places().fold(f64::NEG_INFINITY, f64::max) - low;
     if !range_mm.is_finite() || range_mm <= 1.0 {
         return None;
     }
-    let folds = all.iter().map(|seen| seen.fold + 1).max()?;
+    let folds = all.iter().map(|shown| shown.fold + 1).max()?;
     let blank = vec![Wave::new(0.0, 0.0); POINTS];
     let mut parts: Vec<Part> = (0..folds)
         .map(|_| Part { before: blank.clone(), after: blank.clone(), weight: 0.0, count: 0 })
         .collect();
     let scale = (PLACES - 1) as f64 / range_mm;
-    for seen in all {
-        let part = &mut parts[seen.fold];
-        let place = ((seen.position_mm(of) - low) * scale).round() as usize;
-        let w = seen.direction[along.index()];
-        part.before[place].re += w * seen.before_mm;
-        part.after[place].re += w * seen.after_mm;
+    for shown in all {
+        let part = &mut parts[shown.fold];
+        let place = ((shown.position_mm[of.index()] - low) * scale).round() as usize;
+        let w = shown.direction[along.index()];
+        part.before[place].re += w * shown.before_mm;
+        part.after[place].re += w * shown.after_mm;
         part.weight += w * w;
         part.count += 1;
     }
@@ -87,7 +88,7 @@ fn in_position(
     let step = scale / POINTS as f64;
     let first = (1.0 / (LONGEST * range_mm) / step).ceil() as usize;
     let last = ((1.0 / SHORTEST_MM / step) as usize).min(POINTS / 2 - 1);
-    let squares = |of: fn(&Seen) -> f64| all.iter().map(|s| of(s).powi(2)).sum::<f64>();
+    let squares = |of: fn(&Shown) -> f64| all.iter().map(|s| of(s).powi(2)).sum::<f64>();
     let (gain_before, gain_after) = gains(&parts, first, last);
     let bins = shown(&[&parts], step, first, last, long_run_mm2);
     Some(View {
@@ -157,9 +158,9 @@ fn shown(runs: &[&[Part]], step: f64, first: usize, last: usize, long_run_mm2: f
         .collect()
 }
 
-fn in_time(all: &[Seen], long_run_mm2: f64) -> Vec<View> {
-    let runs: Vec<&[Seen]> = all.chunk_by(|a, b| a.run == b.run).collect();
-    let mut rates: Vec<(f64, Vec<&[Seen]>)> = Vec::new();
+fn in_time(all: &[Shown], long_run_mm2: f64) -> Vec<View> {
+    let runs: Vec<&[Shown]> = all.chunk_by(|a, b| a.run == b.run).collect();
+    let mut rates: Vec<(f64, Vec<&[Shown]>)> = Vec::new();
     for run in runs {
         let Some(period_s) = period_s(run) else { continue };
         match rates.iter_mut().find(|(known, _)| (known / period_s - 1.0).abs() < SAME_RATE) {
@@ -174,21 +175,15 @@ fn in_time(all: &[Seen], long_run_mm2: f64) -> Vec<View> {
 }
 
 /// Median time between readings of a run, s.
-fn period_s(run: &[Seen]) -> Option<f64> {
-    let mut steps: Vec<f64> =
-        run.windows(2).map(|pair| pair[1].elapsed_s() - pair[0].elapsed_s()).collect();
-    sorted_middle(&mut steps).filter(|period_s| *period_s > 1e-6)
-}
-
-fn sorted_middle(values: &mut [f64]) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
+fn period_s(run: &[Shown]) -> Option<f64> {
+    let steps = run.windows(2).map(|pair| pair[1].elapsed_s - pair[0].elapsed_s).collect();
+    median(steps).filter(|period_s| *period_s > 1e-6)
 }
 
 /// The spectrum of the runs of one sample rate; the two parts of each are stretches that take turns.
-fn of_rate(runs: &[&[Seen]], period_s: f64, long_run_mm2: f64) -> Option<View> {
-    let at = |run: &[Seen], seen: &Seen| {
-        ((seen.elapsed_s() - run[0].elapsed_s()) / period_s).round().max(0.0) as usize
+fn of_rate(runs: &[&[Shown]], period_s: f64, long_run_mm2: f64) -> Option<View> {
+    let at = |run: &[Shown], shown: &Shown| {
+        ((shown.elapsed_s - run[0].elapsed_s) / period_s).round().max(0.0) as usize
     };
     let longest = runs.iter().filter_map(|run| Some(at(run, run.last()?))).max()?;
     let points = (longest + 1).next_power_of_two() * 2;
@@ -207,11 +202,11 @@ fn of_rate(runs: &[&[Seen]], period_s: f64, long_run_mm2: f64) -> Option<View> {
                     count: 0,
                 })
                 .collect();
-            for seen in *run {
-                let place = at(run, seen);
+            for shown in *run {
+                let place = at(run, shown);
                 let part = &mut parts[place / stretch % 2];
-                part.before[place].re += seen.before_mm;
-                part.after[place].re += seen.after_mm;
+                part.before[place].re += shown.before_mm;
+                part.after[place].re += shown.after_mm;
                 part.weight += 1.0;
                 part.count += 1;
             }
@@ -233,7 +228,7 @@ fn of_rate(runs: &[&[Seen]], period_s: f64, long_run_mm2: f64) -> Option<View> {
         let (before, after) = gains(parts, first, last);
         gain = (gain.0 + before, gain.1 + after);
     }
-    let squares = |of: fn(&Seen) -> f64| {
+    let squares = |of: fn(&Shown) -> f64| {
         runs.iter().flat_map(|r| r.iter()).map(|s| of(s).powi(2)).sum::<f64>()
     };
     let parts: Vec<&[Part]> = transformed.iter().map(Vec::as_slice).collect();
