@@ -7,7 +7,8 @@
 //!
 //! # The rooms
 //!
-//! The modules stand in the order of the flow; each uses those before it only.
+//! The modules stand in the order of the flow; each uses those before it only. Under all of them lie
+//! [`error`] and what reads text files.
 //!
 //! | room | holds |
 //! | --- | --- |
@@ -16,14 +17,15 @@
 //! | [`model`] | coefficient names, error functions, terms, the projected Jacobian |
 //! | [`plan`] | arcs, strategies, mountings, the test file, the path |
 //! | [`nc`] | programs written, read back and checked |
-//! | [`motion`] | a program becomes a timed trajectory |
 //! | [`log`] | readers of ball-bar logs |
-//! | [`simulate`] | a virtual machine and instrument |
+//! | [`motion`] | a program becomes a timed trajectory |
 //! | [`align`] | engagement, time map, samples with poses |
+//! | [`simulate`] | a virtual machine and instrument |
 //! | [`identify`] | the fit, what is observable, repeats |
-//! | [`design`] | what a test will see before it is run, and which test sees most |
 //! | [`residual`] | what a fit leaves: samples, noise, what an effect explains beside others |
 //! | [`diagnose`] | what the model gets wrong, the cause, the gain |
+//! | [`paper`] | the paper's tables computed again |
+//! | [`design`] | what a test will see before it is run, and which test sees most |
 //! | [`trial`] | effects hidden at random, diagnosed and judged |
 //! | [`report`] | terminal, HTML, JSON, CSV |
 //! | [`cli`] | the command line |
@@ -65,6 +67,7 @@ pub mod machine;
 pub mod model;
 pub mod motion;
 pub mod nc;
+pub mod paper;
 pub mod plan;
 pub mod report;
 pub mod residual;

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use ballbar::identify::{Comparison, Geometry, search};
+use ballbar::paper::{Comparison, Geometry, search};
 use ballbar::report::paper_page;
 
 #[test]

@@ -2,10 +2,8 @@
 
 use std::ops::Range;
 
-use nalgebra::Vector3;
-
-use super::engagement::{Engagement, commanded_deviation_mm};
-use crate::log::Log;
+use super::engagement::Engagement;
+use super::run::Run;
 use crate::motion::Trajectory;
 use crate::plan::BallBar;
 
@@ -38,26 +36,24 @@ pub struct Mark {
 /// A real axis does not follow its command to better than this at the feed-in, s.
 const FOLLOWING_S: f64 = 1e-3;
 
-/// The mark of one end of an engagement.
+/// The mark of one end of an engagement, which the log shows as a stretch of readings.
 ///
 /// A ramp reading `d` was taken when the commanded length was `d - c`, with `c` the deviation right
 /// after the engagement (or before the release), where the machine stands or is on its arc: the set-up
 /// error and the machine's errors there drop out.
 pub(super) fn mark(
-    log: &Log,
-    stretch: &Range<usize>,
+    run: &Run,
     trajectory: &Trajectory,
     engagement: &Engagement,
-    coincidence_mm: &Vector3<f64>,
-    bar: &BallBar,
-    engages: bool,
+    stretch: &Range<usize>,
+    kind: MarkKind,
 ) -> Mark {
+    let (log, bar) = (run.log, run.rig.bar);
+    let engages = kind == MarkKind::Engagement;
     let period_s = log.sample_period_s();
-    let kind = if engages { MarkKind::Engagement } else { MarkKind::Release };
     let edge_program_s = if engages { engagement.start_s } else { engagement.end_s };
-    let deviation_mm = |time_s: f64| {
-        commanded_deviation_mm(&trajectory.at(time_s).position_mm, coincidence_mm, bar)
-    };
+    let deviation_mm =
+        |time_s: f64| run.rig.commanded_deviation_mm(&trajectory.at(time_s).position_mm);
     // Samples from the edge of the range inwards.
     let inwards: Vec<usize> =
         if engages { stretch.clone().collect() } else { stretch.clone().rev().collect() };

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use clap::Args;
 
-use super::Common;
+use super::common::Common;
 use super::estimate::{Identified, Selection};
 use super::output::{Files, Talk};
 use crate::error::Result;

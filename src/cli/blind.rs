@@ -7,7 +7,7 @@ use std::sync::Mutex;
 use clap::Args;
 use serde_json::json;
 
-use super::Common;
+use super::common::Common;
 use super::output::{self, Talk};
 use crate::diagnose::{Finding, Told};
 use crate::error::{Error, Result};

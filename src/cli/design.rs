@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::Common;
+use super::common::Common;
 use super::output::{Files, Talk};
 use crate::design::{Designer, Measured, Outlook};
 use crate::error::{Error, Kind, Place, Result};

@@ -2,8 +2,8 @@
 
 use clap::Args;
 
-use super::Common;
 use super::analyse::add_results;
+use super::common::Common;
 use super::estimate::Selection;
 use super::output::{Files, Talk};
 use crate::error::{Error, Kind, Result};

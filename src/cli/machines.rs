@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
-use super::Common;
+use super::common::Common;
 use super::output::{self, Talk};
 use crate::error::{Error, Place, Result};
 use crate::machine::{Axis, Machine, Pivot, Slide};

@@ -8,6 +8,7 @@ mod align;
 mod analyse;
 mod blind;
 mod check;
+mod common;
 mod demo;
 mod design;
 mod diagnose;
@@ -22,11 +23,11 @@ mod program;
 mod simulate;
 mod time;
 
-use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
+use common::Common;
 use output::Talk;
 
 /// Programs for a telescoping ball-bar, alignment of its logs, identification of the machine.
@@ -59,20 +60,6 @@ Exit codes:
   3  a log does not belong to its program
   4  the data cannot determine what was asked for
   5  a result cannot be written";
-
-/// Options that every subcommand takes.
-#[derive(Args)]
-struct Common {
-    /// Directory for results; made if it is not there
-    #[arg(short, long, global = true, default_value = "out", value_name = "DIR")]
-    output: PathBuf,
-    /// Print results as JSON on stdout instead of text
-    #[arg(long, global = true)]
-    json: bool,
-    /// Print nothing but results and errors
-    #[arg(short, long, global = true)]
-    quiet: bool,
-}
 
 #[derive(Subcommand)]
 enum Command {
@@ -114,8 +101,8 @@ pub fn main() -> ExitCode {
         Command::Demo(arguments) => arguments.run(common, &talk),
         Command::Machines(arguments) => arguments.run(common),
         Command::Paper(arguments) => arguments.run(common, &talk),
-        Command::Completions(arguments) => arguments.run(),
-        Command::Man(arguments) => arguments.run(common, &talk),
+        Command::Completions(arguments) => arguments.run(&mut Cli::command()),
+        Command::Man(arguments) => arguments.run(&Cli::command(), common, &talk),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

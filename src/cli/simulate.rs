@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::Common;
+use super::common::Common;
 use super::output::{self, Files, Talk};
 use crate::design::PlannedProgram;
 use crate::error::{Error, Kind, Result};

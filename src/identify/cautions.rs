@@ -1,6 +1,6 @@
 //! What speaks against a fit that came out all the same.
 
-use super::fit::RunInput;
+use super::input::RunInput;
 use super::residuals::Record;
 use crate::align::Alignment;
 use crate::solve::Loss;

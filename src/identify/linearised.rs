@@ -8,7 +8,9 @@
 //!
 //! and changes the parameters of the fit by `- F Q^T c` per unit, `F = D^-1 V_r S_r^-1`.
 
-use super::fit::{Fit, Options};
+use super::fit::Fit;
+use super::input::Options;
+use super::residuals::Record;
 use super::result::Identification;
 use crate::align::Place;
 use crate::error::Result;
@@ -63,7 +65,7 @@ impl Identification {
                 records.iter().enumerate().map(|(k, r)| r.used && k % stride == 0).collect()
             })
             .collect();
-        let weight = |run: &Vec<super::Record>| run.iter().map(|r| r.weight).collect();
+        let weight = |run: &Vec<Record>| run.iter().map(|r| r.weight).collect();
         fit.weights = Some(self.records.iter().map(weight).collect());
         let triangle = fit.triangle()?;
         let spectrum = fit.spectrum(&triangle)?;

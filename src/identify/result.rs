@@ -1,7 +1,7 @@
 //! What an identification says.
 
-use super::Record;
-use super::fit::RunInput;
+use super::input::RunInput;
+use super::residuals::Record;
 use crate::model::Parameter;
 use crate::solve::{Matrix, NoiseModel, NullDirection};
 

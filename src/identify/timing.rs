@@ -1,6 +1,6 @@
 //! How a sample's time enters the fit.
 
-use super::fit::RunInput;
+use super::input::RunInput;
 use crate::align::{MarkKind, Place, Sample};
 use crate::machine::Pose;
 use crate::model::Model;

@@ -1,8 +1,9 @@
 //! From a settled fit to its noise, its covariance and everything that is told.
 
 use super::fit::{Fit, Outcome};
+use super::residuals::Record;
 use super::result::{Estimate, Identification};
-use super::{Record, cautions, residuals};
+use super::{cautions, residuals};
 use crate::error::Result;
 use crate::solve::{self, Autocovariances, BackwardFilter, Matrix, NoiseModel, Triangle, Tsqr};
 

@@ -4,8 +4,6 @@
 //! one vocabulary of `simulate --hide`, of `model.toml`, of diagnosis and of the trial; what a cause does
 //! to the machine the simulator works out by itself, and what it does to the readings diagnosis does.
 
-use super::CAUSES;
-
 /// What a cause acts on: the key `on` of an [`Effect`](super::Effect).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SeatKind {
@@ -101,20 +99,5 @@ pub struct Cause {
 impl PartialEq<str> for Cause {
     fn eq(&self, id: &str) -> bool {
         self.id == id
-    }
-}
-
-impl Kind {
-    /// The cause of this kind.
-    pub fn cause(self) -> &'static Cause {
-        // The table is in the order of the kinds.
-        &CAUSES[self as usize]
-    }
-}
-
-impl Cause {
-    /// The cause of a name.
-    pub fn named(id: &str) -> Option<&'static Self> {
-        CAUSES.iter().find(|cause| cause.id == id)
     }
 }

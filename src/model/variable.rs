@@ -2,7 +2,10 @@
 
 use std::fmt;
 
-use super::{Motion, Parameter, Seat, Situation, Term};
+use super::effect::Seat;
+use super::jacobian::Situation;
+use super::motion::Motion;
+use super::term::{Parameter, Term};
 use crate::machine::{Axis, ChainErrors, Pose};
 use nalgebra::Vector3;
 

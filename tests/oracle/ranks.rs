@@ -4,9 +4,9 @@
 //! both directions; a slide that stands still during an arc has the sense 0 there. Rank is counted at
 //! 1e-10 on columns of unit length, and a column that vanishes to rounding stays zero.
 
-use ballbar::identify::{Pruning, removed_by, stages};
 use ballbar::machine::{Axis, Machine, Mounting, Pivot, Pose};
 use ballbar::model::{Coefficient, Model, SetUp, Situation, coefficients, terms};
+use ballbar::paper::{Pruning, removed_by, stages};
 use ballbar::plan::{Arc, Strategy};
 use ballbar::solve::{Spectrum, Tsqr};
 use nalgebra::Vector3;

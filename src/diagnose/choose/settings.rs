@@ -329,9 +329,7 @@ fn exactly(
             Campaign::of(&test, &machine, Failure::LeaveOut, &|| ())
         } else {
             // Other terms may be the complete ones.
-            let runs = campaign.repeats.iter().map(|repeat| repeat.runs.clone()).collect();
-            let left_out = campaign.left_out.clone();
-            Campaign::of_aligned(&test, &machine, runs, left_out, Failure::Refuse, &|| ())
+            campaign.reidentified(&test, &machine)
         };
         let Ok(identified) = identified else { break };
         let residuals = Residuals::of(&test, &machine, &identified)?;

@@ -88,6 +88,16 @@ impl Against {
         }
     }
 
+    fn unit(self) -> &'static str {
+        match self {
+            Self::Position(_) => "mm",
+            Self::Velocity(_) => "mm/s",
+            Self::SinceReversal(_) | Self::Elapsed => "s",
+            Self::Azimuth | Self::Polar | Self::Circle(_) => "deg",
+            Self::Feed => "mm/min",
+        }
+    }
+
     fn subject(self) -> Subject {
         match self {
             Self::Position(_) => Subject::Position,
@@ -98,16 +108,6 @@ impl Against {
             Self::Polar => Subject::PolarAngle,
             Self::Feed => Subject::Feed,
             Self::Circle(_) => Subject::Circle,
-        }
-    }
-
-    fn unit(self) -> &'static str {
-        match self {
-            Self::Position(_) => "mm",
-            Self::Velocity(_) => "mm/s",
-            Self::SinceReversal(_) | Self::Elapsed => "s",
-            Self::Azimuth | Self::Polar | Self::Circle(_) => "deg",
-            Self::Feed => "mm/min",
         }
     }
 }

@@ -165,10 +165,10 @@ pub(crate) fn picture(
         .into_iter()
         .filter(|sum| sum.count > 0.0 && sum.weight > WORTH_SHOWING * heaviest)
         .map(|sum| {
-            let (at, fitted) = (sum.place / sum.count, sum.fitted / sum.weight);
-            let left = (sum.measured / sum.weight - fitted) * factor;
+            let at = sum.place / sum.count;
+            let left = (sum.measured / sum.weight - sum.fitted / sum.weight) * factor;
             let of_curve = feature.as_ref().map(|feature| feature.value(at));
-            let fitted = of_curve.unwrap_or(fitted * factor);
+            let fitted = of_curve.unwrap_or(sum.fitted / sum.weight * factor);
             let sigma = (long_run_mm2 / sum.weight).sqrt() * factor;
             Point { at, measured: left + fitted, fitted, sigma }
         })

@@ -2,7 +2,8 @@
 
 use serde_json::{Value, json};
 
-use crate::identify::{Comparison, Nearest, Row, Seen, StrategyRows};
+use crate::identify::Seen;
+use crate::paper::{Comparison, Nearest, Row, StrategyRows};
 
 /// For another program.
 pub fn paper_json(paper: &Comparison, nearest: Option<&Nearest>) -> Value {

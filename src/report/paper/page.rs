@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::rows::{HEAD, cells, geometry, nearest_lines, title};
-use crate::identify::{Comparison, Nearest, PAPER_READINGS, PAPER_TEST_S, PaperTime, Row};
+use crate::paper::{Comparison, Nearest, PAPER_READINGS, PAPER_TEST_S, PaperTime, Row};
 
 /// As a page of the documentation.
 pub fn paper_page(paper: &Comparison, nearest: Option<&Nearest>) -> String {

@@ -1,6 +1,7 @@
 //! What the paper's tables say and ours beside it, cell by cell.
 
-use crate::identify::{Comparison, Nearest, Row, Seen, StrategyRows};
+use crate::identify::Seen;
+use crate::paper::{Comparison, Nearest, Row, StrategyRows};
 
 /// Rounded to three significant digits, in powers of ten where it is large.
 fn rounded(value: f64) -> String {

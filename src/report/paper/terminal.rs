@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::rows::{HEAD, cells, geometry, nearest_lines, title};
-use crate::identify::{Comparison, Nearest, Row};
+use crate::paper::{Comparison, Nearest, Row};
 
 /// For the terminal.
 pub fn paper_text(paper: &Comparison) -> String {

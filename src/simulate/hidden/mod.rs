@@ -21,8 +21,8 @@ mod settings;
 #[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 mod tests;
 
-use super::Scenario;
 use super::random::{Purpose, Stream};
+use super::scenario::Scenario;
 use crate::error::{Error, Result};
 use crate::model::Effect;
 

@@ -3,10 +3,10 @@
 
 use rayon::prelude::*;
 
-use super::observability::{Gather, POINTS, POSES, Sight};
-use super::paper::{Geometry, pivots};
+use super::comparison::{Geometry, pivots};
 use super::stages::{Pruning, Stage, removed_by, stages};
 use crate::error::Result;
+use crate::identify::{Gather, POINTS, POSES, Sight};
 use crate::machine::Machine;
 use crate::plan::Strategy;
 

@@ -101,8 +101,10 @@ pub fn removed_by(lists: &[Pruning]) -> Vec<&'static str> {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::identify::preference;
     use crate::model::{Coefficient, SetUp};
 
     #[test]
@@ -115,5 +117,18 @@ mod tests {
                 assert!(Coefficient::parse(name).is_some() || SetUp::parse(name).is_some());
             }
         }
+    }
+
+    /// The order of preference takes terms back as the paper gave them up, the last first.
+    #[test]
+    fn what_the_paper_keeps_longest_is_preferred() {
+        let lists = [Pruning::Volume, Pruning::Meridians];
+        let given_up: Vec<&Stage> = lists.iter().flat_map(|&list| stages(list)).collect();
+        let stage_of = |name: &String| {
+            let gone = given_up.iter().position(|s| s.removed().any(|removed| removed == name));
+            gone.unwrap_or(given_up.len())
+        };
+        let order: Vec<usize> = preference(&[]).unwrap().iter().map(stage_of).collect();
+        assert!(order.is_sorted_by(|before, after| before >= after), "{order:?}");
     }
 }

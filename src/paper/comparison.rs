@@ -1,14 +1,14 @@
-//! The paper's Sections 4 and 5 computed again, from both places of the pivot of X.
+//! Every figure of the paper beside what comes out here.
 
 use std::path::Path;
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use super::observability::{Gather, POINTS, POSES, Seen, Sight};
-use super::paper_time::{self, PaperTime};
 use super::stages::{Pruning, Stage, removed_by, stages};
+use super::time::{PaperTime, times};
 use crate::error::Result;
+use crate::identify::{Gather, POINTS, POSES, Seen, Sight};
 use crate::machine::{Axis, Machine, Mounting, Pivot};
 use crate::plan::{Arc, Strategy};
 
@@ -166,7 +166,7 @@ impl Comparison {
             volume: volume?,
             strategies: strategies?,
             mountings: mountings?,
-            times: paper_time::times(&machines[0])?,
+            times: times(&machines[0])?,
         })
     }
 }
