@@ -120,7 +120,7 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         effective_samples: samples as f64 * noise.variance_mm2 / noise.long_run_mm2,
         samples,
         explained: explained.map(|explained| explained.share),
-        explained_interval: explained.map(|explained| explained.interval),
+        explained_interval: explained.and_then(|explained| explained.interval),
         smallest_mm: residuals.rms_mm(thresholds::threshold_mm2(&beside)),
     };
     let moved = match (fitted, &extended) {

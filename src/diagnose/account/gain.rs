@@ -65,8 +65,8 @@ pub(crate) struct ArcGain {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Explained {
     pub(crate) share: f64,
-    /// Its 95 % interval.
-    pub(crate) interval: [f64; 2],
+    /// Its 95 % interval; `None` of a single arc, which cannot be left out.
+    pub(crate) interval: Option<[f64; 2]>,
 }
 
 /// What the effects leave in the repeats that are `out`: they took no part. Nothing of the others; `None`
@@ -159,7 +159,7 @@ fn shared(residuals: &Residuals) -> Vec<Option<Structure>> {
 }
 
 /// Share of what was there that is explained, over all arcs, with its 95 % interval by leaving out one arc
-/// after the other.
+/// after the other (jackknife).
 pub(crate) fn explained(arcs: &[ArcGain]) -> Option<Explained> {
     let gain: f64 = arcs.iter().map(|arc| arc.gained_mm2).sum();
     let there: f64 = arcs.iter().map(|arc| arc.there_mm2).sum();
@@ -167,12 +167,16 @@ pub(crate) fn explained(arcs: &[ArcGain]) -> Option<Explained> {
         return None;
     }
     let share = gain / there;
-    let count = arcs.len() as f64;
-    let without = arcs.iter().map(|arc| (gain - arc.gained_mm2) / (there - arc.there_mm2));
-    let squares: f64 = without.map(|w| (w - share).powi(2)).sum();
-    let sigma = ((count - 1.0) / count * squares).sqrt();
-    let aside = NORMAL_95 * sigma;
-    Some(Explained { share, interval: [share - aside, share + aside] })
+    let interval = (arcs.len() > 1).then(|| {
+        let count = arcs.len() as f64;
+        let without = arcs.iter().map(|arc| (gain - arc.gained_mm2) / (there - arc.there_mm2));
+        let squares: f64 = without.map(|w| (w - share).powi(2)).sum();
+        let aside = NORMAL_95 * ((count - 1.0) / count * squares).sqrt();
+        [share - aside, share + aside]
+    });
+    // Where all that was there is on one arc, the others say nothing of the share.
+    let finite = |interval: &[f64; 2]| interval.iter().all(|end| end.is_finite());
+    Some(Explained { share, interval: interval.filter(finite) })
 }
 
 /// The gain on the runs of each program, from those of all others.
@@ -212,4 +216,37 @@ pub(crate) fn by_program(alone: &Beside, all: &Fitted) -> Vec<ProgramGain> {
         })
     });
     gains.flatten().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn arcs(gains: &[(f64, f64)]) -> Vec<ArcGain> {
+        gains.iter().map(|&(gained_mm2, there_mm2)| ArcGain { gained_mm2, there_mm2 }).collect()
+    }
+
+    #[test]
+    fn the_interval_is_the_scatter_of_the_arcs() {
+        // Every arc explained to 90 %: nothing scatters.
+        let all = explained(&arcs(&[(0.9, 1.0), (1.8, 2.0), (2.7, 3.0)]));
+        let [low, high] = all.and_then(|all| all.interval).unwrap_or_default();
+        assert!((low - 0.9).abs() < 1e-12 && (high - 0.9).abs() < 1e-12, "{low} {high}");
+        // Equal arcs: the jackknife is the standard error of their mean.
+        let all = explained(&arcs(&[(0.8, 1.0), (1.0, 1.0), (0.9, 1.0), (0.7, 1.0)]));
+        let [low, high] = all.and_then(|all| all.interval).unwrap_or_default();
+        let sigma = (0.05_f64 / 3.0 / 4.0).sqrt();
+        assert!((low - (0.85 - 1.96 * sigma)).abs() < 1e-12, "{low}");
+        assert!((high - (0.85 + 1.96 * sigma)).abs() < 1e-12, "{high}");
+    }
+
+    #[test]
+    fn a_single_arc_has_a_share_and_no_interval() {
+        let one = explained(&arcs(&[(0.9, 1.0)]));
+        assert_eq!(one, Some(Explained { share: 0.9, interval: None }));
+        // All that was there on one of two arcs.
+        let one = explained(&arcs(&[(0.9, 1.0), (0.0, 0.0)]));
+        assert_eq!(one, Some(Explained { share: 0.9, interval: None }));
+        assert_eq!(explained(&[]), None);
+    }
 }
