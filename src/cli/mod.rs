@@ -30,6 +30,8 @@ use clap::{CommandFactory, Parser, Subcommand};
 use common::Common;
 use output::Talk;
 
+use crate::error::Result;
+
 /// Programs for a telescoping ball-bar, alignment of its logs, identification of the machine.
 #[derive(Parser)]
 #[command(version, about, long_about = LONG_ABOUT, after_help = AFTER_HELP, disable_help_subcommand = true)]
@@ -81,34 +83,66 @@ enum Command {
     Man(manual::Man),
 }
 
+impl Command {
+    /// Whether it writes to the directory of results, whatever its arguments say.
+    fn writes(&self) -> bool {
+        match self {
+            Self::Plan(_)
+            | Self::Program(_)
+            | Self::Simulate(_)
+            | Self::Align(_)
+            | Self::Identify(_)
+            | Self::Analyse(_)
+            | Self::Diagnose(_)
+            | Self::Design(_)
+            | Self::Demo(_) => true,
+            Self::Check(_)
+            | Self::Time(_)
+            | Self::Blind(_)
+            | Self::Machines(_)
+            | Self::Paper(_)
+            | Self::Completions(_)
+            | Self::Man(_) => false,
+        }
+    }
+}
+
 /// Runs the program: parses the command line, does it, prints errors, gives the exit code.
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let talk = Talk::new(cli.common.quiet);
-    let common = &cli.common;
-    let done = match &cli.command {
-        Command::Plan(arguments) => arguments.run(common, &talk),
-        Command::Program(arguments) => arguments.run(common, &talk),
-        Command::Check(arguments) => arguments.run(common, &talk),
-        Command::Time(arguments) => arguments.run(common, &talk),
-        Command::Simulate(arguments) => arguments.run(common, &talk),
-        Command::Align(arguments) => arguments.run(common, &talk),
-        Command::Identify(arguments) => arguments.run(common, &talk),
-        Command::Analyse(arguments) => arguments.run(common, &talk),
-        Command::Diagnose(arguments) => arguments.run(common, &talk),
-        Command::Design(arguments) => arguments.run(common, &talk),
-        Command::Blind(arguments) => arguments.run(common, &talk),
-        Command::Demo(arguments) => arguments.run(common, &talk),
-        Command::Machines(arguments) => arguments.run(common),
-        Command::Paper(arguments) => arguments.run(common, &talk),
-        Command::Completions(arguments) => arguments.run(&mut Cli::command()),
-        Command::Man(arguments) => arguments.run(&Cli::command(), common, &talk),
-    };
-    match done {
+    match cli.run(&talk) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             Talk::error(&error);
             ExitCode::from(error.kind.exit_code())
+        }
+    }
+}
+
+impl Cli {
+    fn run(&self, talk: &Talk) -> Result<()> {
+        let common = &self.common;
+        if self.command.writes() {
+            output::check_directory(&common.output)?;
+        }
+        match &self.command {
+            Command::Plan(arguments) => arguments.run(common, talk),
+            Command::Program(arguments) => arguments.run(common, talk),
+            Command::Check(arguments) => arguments.run(common, talk),
+            Command::Time(arguments) => arguments.run(common, talk),
+            Command::Simulate(arguments) => arguments.run(common, talk),
+            Command::Align(arguments) => arguments.run(common, talk),
+            Command::Identify(arguments) => arguments.run(common, talk),
+            Command::Analyse(arguments) => arguments.run(common, talk),
+            Command::Diagnose(arguments) => arguments.run(common, talk),
+            Command::Design(arguments) => arguments.run(common, talk),
+            Command::Blind(arguments) => arguments.run(common, talk),
+            Command::Demo(arguments) => arguments.run(common, talk),
+            Command::Machines(arguments) => arguments.run(common),
+            Command::Paper(arguments) => arguments.run(common, talk),
+            Command::Completions(arguments) => arguments.run(&mut Cli::command()),
+            Command::Man(arguments) => arguments.run(&Cli::command(), common, talk),
         }
     }
 }

@@ -155,19 +155,28 @@ impl Files {
     }
 }
 
+/// Refuses a directory that results could not be written to, before any work is done for them; nothing is made.
+pub(super) fn check_directory(directory: &Path) -> Result<()> {
+    let there = directory.ancestors().find(|ancestor| ancestor.exists());
+    let there = there.unwrap_or_else(|| Path::new("."));
+    if there.is_file() {
+        return Err(Error::new(
+            Kind::Output,
+            "a file stands where the directory of results should be",
+        )
+        .at(Place::file(there))
+        .hint("choose another directory with `-o DIR`"));
+    }
+    // Whether one may write cannot be read off the permissions; the file is gone at once.
+    tempfile::tempfile_in(there).map_err(|error| cannot_write(directory, &error))?;
+    Ok(())
+}
+
 fn stage(file: &Path, content: &[u8]) -> Result<tempfile::NamedTempFile> {
     let directory = match file.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
-    if directory.is_file() {
-        return Err(Error::new(
-            Kind::Output,
-            "a file stands where the directory of results should be",
-        )
-        .at(Place::file(directory))
-        .hint("choose another directory with `-o DIR`"));
-    }
     std::fs::create_dir_all(directory).map_err(|error| cannot_write(directory, &error))?;
     if file.is_dir() {
         return Err(Error::new(Kind::Output, "a directory stands where the file should go")
