@@ -148,7 +148,8 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         left_out: campaign.left_out.iter().map(|(run, error)| LeftOut::of(run, error)).collect(),
         extended: None,
     };
-    Ok(Diagnosis { extended: extended.map(|now| now.campaign), ..diagnosis })
+    let extended = extended.map(|now| now.campaign);
+    Ok(Diagnosis { extended: extended.or(corrected.map(|now| now.campaign)), ..diagnosis })
 }
 
 /// The residual before and after against everything, what holds most structure first.

@@ -102,7 +102,8 @@ pub struct Diagnosis {
     pub off_times: Vec<OffTime>,
     /// Runs that took no part, with the reason.
     pub left_out: Vec<LeftOut>,
-    /// The campaign identified anew with the effects; `None` where there are none.
+    /// The campaign identified anew, with the effects and with what is stated wrong put right; `None` where there is
+    /// neither.
     pub extended: Option<Campaign>,
 }
 

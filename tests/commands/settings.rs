@@ -35,6 +35,27 @@ fn a_pivot_on_the_base_that_the_machine_file_has_on_the_carriage() {
 }
 
 #[test]
+fn a_model_file_has_the_terms_of_its_coefficients() {
+    let work = Work::new();
+    let simulated = ["simulate", &designed(), "--hide", "pivot:on=Z", "--hide"];
+    let cyclic = "cyclic:on=EXX,amplitude_um=0.25,period_mm=10";
+    work.ballbar(&[simulated.as_slice(), &[cyclic]].concat()).done();
+    work.ballbar(&["diagnose", "results/test.toml"]).done();
+    let model = std::fs::read_to_string(work.path("results/model.toml")).unwrap();
+    let model: toml::Table = toml::from_str(&model).unwrap();
+    let names =
+        |key: &str| -> Vec<String> { model[key].as_table().unwrap().keys().cloned().collect() };
+    let terms = model["terms"].as_array().unwrap().iter().map(|term| term.as_str().unwrap());
+    let mut terms: Vec<String> =
+        terms.filter(|t| !t.contains([':', '@'])).map(Into::into).collect();
+    let mut estimated = names("coefficients");
+    terms.retain(|term| !term.ends_with(['t', 'w']));
+    terms.sort();
+    estimated.sort();
+    assert_eq!(terms, estimated);
+}
+
+#[test]
 fn a_tool_that_is_longer_in_one_of_the_mountings() {
     let work = Work::new();
     let (found, text) = diagnosed(&designed(), "ball-place:on=EZt,offset_mm=20,mounting=2", &work);

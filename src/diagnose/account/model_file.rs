@@ -12,7 +12,7 @@ impl Diagnosis {
     pub fn model_file(&self, campaign: &Campaign) -> ModelFile {
         let extended = self.extended.as_ref().unwrap_or(campaign);
         let count = extended.repeats.len().max(1) as f64;
-        let mut model = ModelFile { terms: campaign.terms.clone(), ..ModelFile::default() };
+        let mut model = ModelFile { terms: extended.terms.clone(), ..ModelFile::default() };
         let first = extended.repeats.first().map_or(&[][..], |repeat| repeat.estimates.as_slice());
         for (index, estimate) in first.iter().enumerate() {
             let mean =
