@@ -13,7 +13,7 @@ use super::data::{Column, Data, norm2};
 use super::noise::Noise;
 use super::screen::Screen;
 use crate::error::Result;
-use crate::identify::{Campaign, Failure, LinearSample};
+use crate::identify::{Campaign, LinearSample};
 use crate::machine::{Axis, Machine, Mounting, Pivot};
 use crate::model::{Ball, Effect, Kind, Seat, SetUp, Situation};
 use crate::plan::Test;
@@ -330,7 +330,7 @@ fn exactly(
             matches!(first.setting, Setting::Place(SetUp { ball: Ball::Workpiece, .. }, _));
         let identified = if elsewhere {
             // Every pose is another one.
-            Campaign::of(&test, &machine, Failure::LeaveOut, &|| ())
+            campaign.realigned(&test, &machine)
         } else {
             // Other terms may be the complete ones.
             campaign.reidentified(&test, &machine)
