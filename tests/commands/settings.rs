@@ -1,5 +1,8 @@
 //! What the machine file, the test file or the knob have otherwise than stated, found by `ballbar diagnose`.
 
+use ballbar::diagnose::search;
+use ballbar::identify::{Campaign, Failure};
+use ballbar::plan::Test;
 use serde_json::Value;
 
 use crate::work::{Work, data, unpacked};
@@ -124,4 +127,21 @@ fn a_knob_that_stood_far_elsewhere_is_named_where_its_run_is_left_out() {
     let (_, end) = text.split_once("\nRuns that were left out\n").unwrap();
     let end = end.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(end.contains("wrong: ") && end.contains("`feed_override_percent = 95.0`"), "{end}");
+}
+
+/// Every pose is another one then: the logs are laid over their programs again, those that were read.
+#[test]
+fn a_workpiece_ball_elsewhere_is_found_when_the_files_are_gone() {
+    let work = Work::new();
+    let hidden = "ball-place:on=EXw,offset_mm=20,mounting=2";
+    work.ballbar(&["simulate", &designed(), "--hide", hidden]).done();
+    let test = Test::read(&work.path("results/test.toml")).unwrap();
+    let machine = test.machine().unwrap();
+    let campaign = Campaign::of(&test, &machine, Failure::Refuse, &|| ()).unwrap();
+    std::fs::remove_dir_all(work.path("results")).unwrap();
+    let found = search(&test, &machine, &campaign).unwrap();
+    let effects: Vec<String> = found.wrong_settings.iter().map(|w| w.effect.to_string()).collect();
+    let wrong = &found.wrong_settings.first().expect("the place of the ball is wrong").effect;
+    assert_eq!((wrong.seat.to_string(), wrong.get("mounting")), ("EXw".to_owned(), 2.0));
+    assert!((wrong.get("offset_mm") - 20.0).abs() < 3.6, "{effects:?}");
 }

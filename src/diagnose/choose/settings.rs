@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::search::Search;
 use crate::diagnose::thresholds::threshold_mm2;
 use crate::error::Result;
-use crate::identify::{Campaign, Failure};
+use crate::identify::Campaign;
 use crate::machine::{Axis, Machine, Mounting, Pivot};
 use crate::model::{Ball, Effect, Kind, Seat, SetUp, Situation};
 use crate::plan::Test;
@@ -326,7 +326,7 @@ fn exactly(
             matches!(first.setting, Setting::Place(SetUp { ball: Ball::Workpiece, .. }, _));
         let identified = if elsewhere {
             // Every pose is another one.
-            Campaign::of(&test, &machine, Failure::LeaveOut, &|| ())
+            campaign.realigned(&test, &machine)
         } else {
             // Other terms may be the complete ones.
             campaign.reidentified(&test, &machine)
