@@ -278,7 +278,6 @@ pub(super) fn add_information(information: &mut Matrix, factor: &Matrix, weight:
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

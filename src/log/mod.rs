@@ -20,7 +20,6 @@
 
 mod read;
 #[cfg(test)]
-#[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #[allow(clippy::float_cmp)] // what is read is exact or wrong
 mod tests;
 mod text;

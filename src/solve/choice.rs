@@ -89,7 +89,6 @@ impl Triangle {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::solve::Tsqr;

@@ -192,7 +192,6 @@ impl Triangle {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::solve::Tsqr;

@@ -172,7 +172,6 @@ impl Tsqr {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::error::Kind;
