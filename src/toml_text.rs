@@ -140,7 +140,6 @@ fn unknown_key_hint(message: &str) -> Option<String> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

@@ -212,7 +212,6 @@ pub fn can_drive(
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

@@ -29,7 +29,6 @@ impl Problem {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::super::information::ArcInformation;
     use super::super::problem::Objective;

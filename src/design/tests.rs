@@ -1,7 +1,5 @@
 //! What a designer makes of requests: the figures that it promises, and what it refuses.
 
-#![allow(clippy::unwrap_used)]
-
 use super::Designer;
 use crate::error::Result;
 use crate::plan::Test;

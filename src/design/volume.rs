@@ -227,7 +227,6 @@ pub fn of_coefficients(volume: &Volume, names: &[&str], covariance: &Matrix) -> 
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::machine::{ChainErrors, SlideError};

@@ -106,7 +106,6 @@ fn arc_table(arc: &Arc, mounting: &str) -> Value {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::design::candidate_arcs;

@@ -21,7 +21,6 @@
 mod read;
 mod reading;
 #[cfg(test)]
-#[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #[allow(clippy::float_cmp)] // what is read is exact or wrong
 mod tests;
 mod text;

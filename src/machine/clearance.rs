@@ -142,7 +142,6 @@ fn direction(written: &Spanned<String>, text: &Text<'_>) -> Result<UnitVector3<f
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use std::f64::consts::TAU;

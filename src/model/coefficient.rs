@@ -153,7 +153,6 @@ impl fmt::Display for SetUp {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use std::collections::BTreeSet;

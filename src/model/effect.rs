@@ -299,7 +299,6 @@ impl fmt::Display for Effect {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

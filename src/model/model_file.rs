@@ -184,7 +184,6 @@ fn check_curve(raw: RawCurve) -> Result<(Empirical, Vec<f64>)> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::machine::Axis;

@@ -152,7 +152,6 @@ fn of_one_mounting(name: &str, mountings: &[String]) -> Option<(SetUp, usize)> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

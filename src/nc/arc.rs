@@ -121,7 +121,6 @@ pub(crate) fn plane(axis: usize) -> (usize, usize) {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, clippy::panic)]
 mod tests {
     use super::*;
     use std::f64::consts::{FRAC_PI_2, PI};

@@ -171,7 +171,6 @@ fn once<T>(all: impl Iterator<Item = Result<T>>, same: impl Fn(&T, &T) -> bool) 
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use crate::plan::Test;
 

@@ -45,7 +45,6 @@ impl RawOperator {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use crate::plan::Test;
 

@@ -41,7 +41,6 @@ mod random;
 mod run;
 mod scenario;
 #[cfg(test)]
-#[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 mod tests;
 mod write;
 

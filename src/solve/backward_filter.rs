@@ -110,7 +110,6 @@ fn add(sum: &mut [f64], factor: f64, row: &[f64]) {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

@@ -122,7 +122,6 @@ pub fn low_rank_factor(a: &Matrix, floor: f64) -> Matrix {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

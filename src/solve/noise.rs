@@ -286,7 +286,6 @@ fn step_down(phi: &[f64]) -> Option<Vec<f64>> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use rand::SeedableRng;

@@ -107,7 +107,6 @@ pub fn robust_scale(residuals: &mut [f64]) -> Option<f64> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

@@ -205,7 +205,6 @@ impl Triangle {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::solve::Tsqr;

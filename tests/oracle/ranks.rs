@@ -4,21 +4,16 @@
 //! both directions; a slide that stands still during an arc has the sense 0 there. Rank is counted at
 //! 1e-10 on columns of unit length, and a column that vanishes to rounding stays zero.
 
-use ballbar::machine::{Axis, Machine, Mounting, Pivot, Pose};
-use ballbar::model::{Coefficient, Model, SetUp, Situation, coefficients, terms};
+use ballbar::identify::{Gather, POINTS, POSES, Sight};
+use ballbar::machine::{Axis, Machine, Mounting, Pivot};
+use ballbar::model::coefficients;
 use ballbar::paper::{Pruning, removed_by, stages};
-use ballbar::plan::{Arc, Strategy};
-use ballbar::solve::{Spectrum, Tsqr};
+use ballbar::plan::Strategy;
 use nalgebra::Vector3;
-use rand::SeedableRng;
-use rand_pcg::Pcg64Mcg;
 
-use crate::common::{random_pose, repository};
+use crate::common::repository;
 
-const TOLERANCE: f64 = 1e-10;
 const BAR_MM: f64 = 150.0;
-/// Points of an arc, half a step from its ends: an even number, so none lies where a slide turns round.
-const POINTS: usize = 240;
 
 /// Numbers of columns where the paper's Sections 4 and 5 stop to count; the names are the library's.
 const VOLUME: [usize; 8] = [96, 93, 77, 65, 61, 60, 59, 56];
@@ -37,158 +32,39 @@ fn mounting_a() -> Mounting {
     }
 }
 
-/// A column of the table, or the set-up error of one mounting.
-#[derive(Clone, Copy)]
-enum Kind {
-    Coefficient(Coefficient),
-    SetUp(SetUp, usize),
+/// Number and rank of the columns that a choice of names leaves.
+fn ranked(sight: &Sight, keep: impl Fn(&str) -> bool) -> (usize, usize) {
+    let columns = sight.columns(keep);
+    // `look` refuses a rank that hangs on the tolerance: it would be no rank of the ideal path.
+    (columns.len(), sight.look(&columns).unwrap().rank)
 }
 
-/// The rows of all columns, and for each column the norm that it would have if nothing in it cancelled.
-struct Rows<'a> {
-    model: Model<'a>,
-    kinds: Vec<Kind>,
-    names: Vec<String>,
-    tsqr: Tsqr,
-    squares: Vec<f64>,
-}
-
-impl<'a> Rows<'a> {
-    fn new(machine: &'a Machine, mountings: &[Mounting]) -> Self {
-        let places: Vec<String> = (0..mountings.len()).map(|k| format!("P{k}")).collect();
-        let all = terms(&["all".to_owned()], &places).unwrap();
-        let model = Model::new(machine, mountings.to_vec(), all);
-        let set_ups =
-            (0..mountings.len()).flat_map(|k| SetUp::all().map(move |s| Kind::SetUp(s, k)));
-        let kinds: Vec<Kind> = Coefficient::all().map(Kind::Coefficient).chain(set_ups).collect();
-        let names = model.parameters().iter().map(|p| p.name.clone()).collect();
-        let columns = kinds.len();
-        Self { model, kinds, names, tsqr: Tsqr::new(columns), squares: vec![0.0; columns] }
-    }
-
-    /// A row, and the sizes of the numbers that were subtracted from each other in it: levers and
-    /// directions are differences of positions.
-    fn push(&mut self, at: &Situation, direction_size: &Vector3<f64>) {
-        let mut row = vec![0.0; self.kinds.len()];
-        self.model.row(at, &mut row);
-        self.tsqr.push(&row, 0.0);
-        let mounting = &self.model.mountings()[at.mounting];
-        let lever_size = mounting.tool_ball_mm.abs() + at.pose.position_mm.abs();
-        let turned = |i: usize| {
-            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            lever_size[j] * direction_size[k] + lever_size[k] * direction_size[j]
-        };
-        for (square, kind) in self.squares.iter_mut().zip(&self.kinds) {
-            let size = match kind {
-                Kind::SetUp(_, mounting) if *mounting != at.mounting => 0.0,
-                Kind::SetUp(set_up, _) => direction_size[set_up.axis.index()],
-                Kind::Coefficient(c) => {
-                    let basis = at.basis[c.slide.index()][c.power as usize].abs();
-                    let i = c.component.direction();
-                    basis * if c.component.is_angular() { turned(i) } else { direction_size[i] }
-                }
-            };
-            *square += size * size;
-        }
-    }
-
-    /// All arcs of a strategy, forward and backward, on a bar of this length.
-    fn drive(&mut self, mounting: usize, strategy: Strategy, bar_mm: f64) {
-        let at = self.model.mountings()[mounting];
-        for forward in strategy.arcs() {
-            for arc in [forward.clone(), forward.reversed("back")] {
-                for pose in poses(&arc, &at, bar_mm) {
-                    let situation =
-                        Situation::new(self.model.machine(), &at, mounting, &pose).unwrap();
-                    let size = (pose.position_mm.abs() + at.coincidence_mm.abs()) / bar_mm;
-                    self.push(&situation, &size);
-                }
-            }
-        }
-    }
-
-    fn finish(self) -> Ranks {
-        let references = self.squares.into_iter().map(f64::sqrt).collect();
-        Ranks { triangle: self.tsqr.finish().unwrap(), references, names: self.names }
-    }
-}
-
-/// An ideal circle: no chords, no rounding, the sense of the tangent.
-fn poses(arc: &Arc, mounting: &Mounting, bar_mm: f64) -> Vec<Pose> {
-    (0..POINTS)
-        .map(|k| {
-            let direction = arc.at((k as f64 + 0.5) / POINTS as f64);
-            let tangent = arc.normal.cross(&direction) * arc.sweep_rad.signum();
-            Pose {
-                position_mm: mounting.coincidence_mm + direction.into_inner() * bar_mm,
-                sense: tangent.map(|t| if t.abs() < 1e-9 { 0.0 } else { t.signum() }),
-            }
+/// Ranks along a list of stages; `removed` is what was removed before the first.
+fn ranks(sight: &Sight, list: Pruning, sizes: &[usize], removed: &[&'static str]) -> Vec<usize> {
+    let mut gone = removed.to_vec();
+    assert_eq!(stages(list).len(), sizes.len());
+    stages(list)
+        .iter()
+        .zip(sizes)
+        .map(|(stage, size)| {
+            gone.extend(stage.removed());
+            let (columns, rank) = ranked(sight, |name| !gone.contains(&name));
+            assert_eq!(columns, *size, "the stage has another number of columns");
+            rank
         })
         .collect()
 }
 
-struct Ranks {
-    triangle: ballbar::solve::Triangle,
-    references: Vec<f64>,
-    names: Vec<String>,
-}
-
-impl Ranks {
-    /// Number and rank of the columns that a choice of names leaves.
-    fn of(&self, keep: impl Fn(&str) -> bool) -> (usize, usize) {
-        let columns: Vec<usize> = (0..self.names.len()).filter(|&k| keep(&self.names[k])).collect();
-        let references: Vec<f64> = columns.iter().map(|&k| self.references[k]).collect();
-        let narrow = self.triangle.select(&columns).unwrap();
-        let spectrum = Spectrum::with_references(&narrow, &references).unwrap();
-        let rank = spectrum.rank(TOLERANCE);
-        // A rank that hung on the tolerance would be no rank of the ideal path.
-        let values = spectrum.singular_values();
-        let below = values.get(rank).map_or(0.0, |next| next / values[0]);
-        let last = values[rank - 1] / values[0];
-        assert!(below < 1e-12 && last > 1e-7, "no clear cut: {last:.1e} above, {below:.1e} below");
-        (columns.len(), rank)
-    }
-
-    /// Ranks along a list of stages; `removed` is what was removed before the first.
-    fn stages(&self, list: Pruning, sizes: &[usize], removed: &[&'static str]) -> Vec<usize> {
-        let mut gone = removed.to_vec();
-        assert_eq!(stages(list).len(), sizes.len());
-        stages(list)
-            .iter()
-            .zip(sizes)
-            .map(|(stage, size)| {
-                gone.extend(stage.removed());
-                let (columns, rank) = self.of(|name| !gone.contains(&bare(name)));
-                assert_eq!(columns, *size, "the stage has another number of columns");
-                rank
-            })
-            .collect()
-    }
-}
-
-/// `EXt` of `EXt@P0`.
-fn bare(name: &str) -> &str {
-    name.split('@').next().unwrap()
-}
-
 fn volume_ranks(machine: &Machine) -> Vec<usize> {
-    let mut random = Pcg64Mcg::seed_from_u64(8000);
-    let mut rows = Rows::new(machine, &[mounting_a()]);
-    for _ in 0..8000 {
-        let pose = random_pose(machine, &mut random);
-        for axis in Axis::ALL {
-            let along = Vector3::ith(axis.index(), 1.0);
-            let situation = Situation::along(machine, &mounting_a(), 0, &pose, along);
-            rows.push(&situation, &along);
-        }
-    }
-    rows.finish().stages(Pruning::Volume, &VOLUME, &[])
+    let mut gather = Gather::new(machine, &[mounting_a()]).unwrap();
+    gather.volume(Axis::ALL.map(|axis| machine.slide(axis).travel_mm), POSES);
+    ranks(&gather.finish().unwrap(), Pruning::Volume, &VOLUME, &[])
 }
 
-fn driven(machine: &Machine, strategy: Strategy) -> Ranks {
-    let mut rows = Rows::new(machine, &[mounting_a()]);
-    rows.drive(0, strategy, BAR_MM);
-    rows.finish()
+fn driven(machine: &Machine, strategy: Strategy) -> Sight {
+    let mut gather = Gather::new(machine, &[mounting_a()]).unwrap();
+    gather.drive(0, &strategy.arcs(), BAR_MM, POINTS);
+    gather.finish().unwrap()
 }
 
 #[test]
@@ -211,7 +87,8 @@ fn strategies_with_meridians_see_36_columns_from_the_carriage_and_40_from_the_ba
             ("carriage", hu40t(), [38, 38, 36, 36, 36, 36, 36]),
             ("base on X", hu40t().with_pivot(Axis::X, Pivot::Base), [42, 42, 40, 40, 40, 40, 40]),
         ] {
-            let found = driven(&machine, strategy).stages(Pruning::Meridians, &BALL_BAR, &start);
+            let sight = driven(&machine, strategy);
+            let found = ranks(&sight, Pruning::Meridians, &BALL_BAR, &start);
             println!("{:<5} {pivot:<10} {found:?}", strategy.name());
             assert_eq!(found, expected, "{} {pivot}", strategy.name());
         }
@@ -225,7 +102,8 @@ fn the_three_planes_see_30_columns_from_the_carriage_and_32_of_32_from_the_base(
         ("carriage", hu40t(), [30, 30, 30, 30, 30]),
         ("base on X", hu40t().with_pivot(Axis::X, Pivot::Base), [34, 34, 34, 34, 32]),
     ] {
-        let found = driven(&machine, Strategy::TwoD).stages(Pruning::Planes, &PLANES, &start);
+        let sight = driven(&machine, Strategy::TwoD);
+        let found = ranks(&sight, Pruning::Planes, &PLANES, &start);
         println!("2d    {pivot:<10} {found:?}");
         assert_eq!(found, expected, "{pivot}");
     }
@@ -242,9 +120,9 @@ fn no_choice_of_pivots_has_all_ranks_of_the_paper() {
             machine.with_pivot(axis, if base { Pivot::Base } else { Pivot::Carriage })
         });
         let three = driven(&machine, Strategy::ThreeD6);
-        let three = three.stages(Pruning::Meridians, &BALL_BAR, &start);
+        let three = ranks(&three, Pruning::Meridians, &BALL_BAR, &start);
         let two = driven(&machine, Strategy::TwoD);
-        let two = two.stages(Pruning::Planes, &PLANES, &planes);
+        let two = ranks(&two, Pruning::Planes, &PLANES, &planes);
         println!("pivots on the base {bits:03b}: {three:?} {two:?}");
         assert!(three != [40; 7] && two != [33, 33, 33, 33, 32], "{bits:03b}");
         if bits == 0b101 {
@@ -268,7 +146,7 @@ fn the_named_sets_have_full_rank_where_they_say_so() {
             coefficients(set).unwrap().iter().map(ToString::to_string).collect();
         let keep =
             |name: &str| names.iter().any(|n| n == name) || ["EXt", "EYt", "EZt"].contains(&name);
-        let (columns, rank) = driven(&machine, strategy).of(|name| keep(bare(name)));
+        let (columns, rank) = ranked(&driven(&machine, strategy), keep);
         println!(
             "{set:<13} {:<4} pivot of X {:?}: {rank} of {columns}",
             strategy.name(),
@@ -293,11 +171,11 @@ fn identifiable(places: Places, keep: impl Fn(&str) -> bool) -> (usize, usize) {
             tool_ball_mm: Vector3::new(0.0, 0.0, *tool),
         })
         .collect();
-    let mut rows = Rows::new(&machine, &mountings);
+    let mut gather = Gather::new(&machine, &mountings).unwrap();
     for (k, (_, _, bar_mm)) in places.iter().enumerate() {
-        rows.drive(k, Strategy::ThreeD6, *bar_mm);
+        gather.drive(k, &Strategy::ThreeD6.arcs(), *bar_mm, POINTS);
     }
-    let (columns, rank) = rows.finish().of(|name| keep(bare(name)));
+    let (columns, rank) = ranked(&gather.finish().unwrap(), keep);
     (columns - 3 * places.len(), rank - 3 * places.len())
 }
 

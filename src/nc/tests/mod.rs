@@ -1,5 +1,4 @@
 //! Programs that are read, and programs that are refused.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod any_input;
 mod files;

@@ -18,7 +18,6 @@ mod harmonics;
 mod readings;
 mod settings;
 #[cfg(test)]
-#[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 mod tests;
 
 use super::random::{Purpose, Stream};

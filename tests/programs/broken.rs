@@ -1,22 +1,18 @@
 //! Programs that are broken in one way each, and what `ballbar check` says of them.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
-
-#[path = "programs/cases.rs"]
-mod cases;
-#[path = "programs/rs274.rs"]
-mod rs274;
-
 use std::path::Path;
 
 use ballbar::machine::Machine;
 use ballbar::nc::{self, Checked, Reading, Severity, Sphere};
-use cases::At::{Edit as Here, File, Line};
-use cases::Rs274::{OnlyItself, Passes, Refuses};
-use cases::{BASE, CASES};
 use nalgebra::Vector3;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
+
+use crate::cases::At::{Edit as Here, File, Line};
+use crate::cases::Rs274::{OnlyItself, Passes, Refuses};
+use crate::cases::{BASE, CASES};
+use crate::outside::installed;
+use crate::rs274;
 
 fn machine() -> Machine {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("machines/hu40t.toml");
@@ -151,7 +147,7 @@ fn one_mistake_makes_few_findings() {
 /// lets pass although a Fanuc or the bar would come to harm.
 #[test]
 fn what_rs274_refuses_is_refused() {
-    if !rs274::installed("rs274") {
+    if !installed("rs274") {
         return;
     }
     assert!(rs274::interpret(&rs274::translated(BASE)).unwrap().ended);
@@ -232,7 +228,7 @@ fn mutate(bytes: &mut Vec<u8>, random: &mut Pcg64Mcg) {
     }
 }
 
-/// `BALLBAR_MUTATIONS=1000000 cargo test --release --test broken mutated -- --nocapture` for a long run.
+/// `BALLBAR_MUTATIONS=1000000 cargo test --release --test programs mutated -- --nocapture` for a long run.
 #[test]
 fn mutated_programs_are_checked_without_panic_and_read_if_no_error_is_found() {
     let count: u64 = std::env::var("BALLBAR_MUTATIONS")

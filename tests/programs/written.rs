@@ -1,10 +1,5 @@
 //! Programs that come back: every strategy, on both machines, written and read again.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
-
-#[path = "programs/rs274.rs"]
-mod rs274;
-
 use std::path::Path as FilePath;
 
 use ballbar::machine::Machine;
@@ -12,6 +7,9 @@ use ballbar::motion::Trajectory;
 use ballbar::nc;
 use ballbar::plan::log_format::ReadingKind;
 use ballbar::plan::{Part, Path, Test};
+
+use crate::outside::{found_or_skipped, installed};
+use crate::rs274;
 
 fn machine(name: &str, decimals: usize) -> Machine {
     let file = FilePath::new(env!("CARGO_MANIFEST_DIR")).join("machines").join(name);
@@ -91,7 +89,7 @@ fn every_strategy_reads_back_within_its_last_decimal() {
 /// ones, in both dialects.
 #[test]
 fn rs274_drives_what_was_planned() {
-    if !rs274::installed("rs274") {
+    if !installed("rs274") {
         return;
     }
     let mut worst_mm = 0.0_f64;
@@ -135,8 +133,8 @@ fn rs274_drives_what_was_planned() {
 fn gcode_toolpath_sees_the_same_length_and_box() {
     let root = FilePath::new(env!("CARGO_MANIFEST_DIR"));
     let modules = root.join("target/outside/node_modules");
-    if !rs274::installed("node")
-        || !rs274::found_or_skipped(modules.join("gcode-toolpath").is_dir(), "gcode-toolpath")
+    if !installed("node")
+        || !found_or_skipped(modules.join("gcode-toolpath").is_dir(), "gcode-toolpath")
     {
         return;
     }
@@ -345,9 +343,7 @@ fn the_least_clearance_is_where_the_tool_comes_round_the_end_of_the_post() {
     for direction in ["\"-Z\"", "\"-Y\""] {
         let machine = Machine::parse(&source.replace("\"-Z\"", direction), &file).unwrap();
         let path = Path::plan(&all, &machine, 0).unwrap();
-        let began = std::time::Instant::now();
-        let found = path.least_clearance(&machine).unwrap();
-        println!("3d6 in {:?}: {found:?}", began.elapsed());
+        println!("3d6: {:?}", path.least_clearance(&machine).unwrap());
     }
 
     // A wide nose close behind the ball is nearer than the tool.

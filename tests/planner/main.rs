@@ -1,0 +1,126 @@
+//! Estimated times against LinuxCNC's own task, interpreter and trajectory planner.
+//!
+//! What the planner did with twelve programs is recorded in `tests/data/planner`, and the estimates are held
+//! against that. A long test runs the planner itself, headless, and holds the recordings against it; with
+//! `BALLBAR_UPDATE_DOCS=1` it records anew. After that the other test, asked the same, writes the table of
+//! `docs/planner.md`.
+
+#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
+
+#[path = "../programs/outside.rs"]
+mod outside;
+mod programs;
+mod recording;
+
+use std::fmt::Write as _;
+use std::path::Path;
+use std::process::Command;
+
+use ballbar::motion::Trajectory;
+use programs::{Run, runs};
+use recording::{Recording, Row, rests};
+
+/// How much faster than time the planner is driven, one attempt after the other. Where others compute, its task
+/// may feed its queue too late: the path stops inside an arc, and that attempt counts for nothing.
+const SPEEDUPS: [u32; 6] = [20, 10, 5, 2, 1, 1];
+
+/// Duration of all motion (s), from the first to the last: dwells after it are not seen from outside.
+fn motion_s(trajectory: &Trajectory) -> f64 {
+    let last = trajectory.blocks().iter().rfind(|block| block.motion().is_some()).unwrap();
+    last.start_s + last.duration_s
+}
+
+#[test]
+fn estimated_times_are_those_of_a_real_planner() {
+    let mut table = String::new();
+    for run in runs() {
+        let (trajectory, rows) = (run.trajectory(), Recording::read(run.name));
+        let (ours_s, theirs_s) = (motion_s(&trajectory), rows[rows.len() - 1].time_s);
+        let off = (ours_s / theirs_s - 1.0) * 100.0;
+        let apart_mm = |row: &Row| (trajectory.at(row.time_s).position_mm - row.position_mm).norm();
+        let apart_mm = rows.iter().map(apart_mm).fold(0.0, f64::max);
+        let acceleration = run.machine().controller().path_acceleration_mm_s2;
+        writeln!(
+            table,
+            "| {} | {acceleration} | {theirs_s:.2} | {ours_s:.2} | {off:+.1} | {apart_mm:.2} |",
+            run.what
+        )
+        .unwrap();
+        assert!(off.abs() < 1.5, "{}: {off} %", run.what);
+    }
+    println!("{table}");
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/planner.md");
+    let page = std::fs::read_to_string(&file).unwrap().replace("\r\n", "\n");
+    let start = page.find("| --- |").unwrap();
+    let start = start + page[start..].find('\n').unwrap() + 1;
+    let end = start + page[start..].find("\n\n").unwrap() + 1;
+    if std::env::var_os("BALLBAR_UPDATE_DOCS").is_some() {
+        std::fs::write(&file, format!("{}{table}{}", &page[..start], &page[end..])).unwrap();
+    } else {
+        assert_eq!(page[start..end], table, "BALLBAR_UPDATE_DOCS=1 writes docs/planner.md anew");
+    }
+}
+
+/// The planner's own motion, when its queue never ran dry.
+fn driven(run: &Run) -> Recording {
+    let directory = tempfile::tempdir().unwrap();
+    let (file, motion) = (directory.path().join("p.ngc"), directory.path().join("motion.txt"));
+    // An output tells the recording from when to when the operator is waited for.
+    let program: String = run
+        .program()
+        .lines()
+        .map(|line| {
+            if line.contains("M00") {
+                format!("M64 P0\n{line}\nM65 P0\n")
+            } else {
+                format!("{line}\n")
+            }
+        })
+        .collect();
+    std::fs::write(&file, program).unwrap();
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/planner/run");
+    let rests = rests(&run.trajectory());
+    let mut told = String::new();
+    for speedup in SPEEDUPS {
+        let speedup = speedup.to_string();
+        let mut command = Command::new("bash");
+        let output = command.arg(&script).args([&file, &motion]).arg(&speedup).output().unwrap();
+        let recording = match std::fs::read_to_string(&motion) {
+            Ok(text) if output.status.success() => Recording::of_motion(&text, &rests),
+            _ => Err(String::from_utf8_lossy(&output.stderr).into_owned()),
+        };
+        match recording {
+            Ok(recording) => return recording,
+            Err(error) => told = error,
+        }
+        println!("{}, {speedup} times faster than time: {told}", run.name);
+        let _ = std::fs::remove_file(&motion);
+    }
+    panic!("{}: {told}", run.what);
+}
+
+#[test]
+#[ignore = "long: `cargo test --release -- --ignored` runs it, and .ci/run does"]
+fn the_recordings_are_what_the_planner_does() {
+    if !outside::installed("linuxcnc") || !outside::installed("faketime") {
+        return;
+    }
+    let update = std::env::var_os("BALLBAR_UPDATE_DOCS").is_some();
+    for run in runs() {
+        let live = driven(&run);
+        if update {
+            live.write(run.name);
+            continue;
+        }
+        let kept = Recording::read(run.name);
+        let (live_s, kept_s) = (live.rows[live.rows.len() - 1].time_s, kept[kept.len() - 1].time_s);
+        let apart_mm = |row: &Row| {
+            let at = ((row.time_s * 1e3).round() as usize).min(live.rows.len() - 1);
+            (live.rows[at].position_mm - row.position_mm).norm()
+        };
+        let apart_mm = kept.iter().map(apart_mm).fold(0.0, f64::max);
+        println!("{}: {live_s:.3} s, recorded {kept_s:.3} s, {apart_mm:.4} mm apart", run.name);
+        assert!((live_s - kept_s).abs() < 0.01, "{}: {live_s} s, not {kept_s} s", run.name);
+        assert!(apart_mm < 0.3, "{}: {apart_mm} mm from the recording", run.name);
+    }
+}

@@ -1,0 +1,9 @@
+//! NC programs: those that are written here, and those that are broken, held against interpreters by others.
+
+#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
+
+mod broken;
+mod cases;
+mod outside;
+mod rs274;
+mod written;
