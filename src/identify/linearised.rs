@@ -12,7 +12,7 @@ use super::fit::Fit;
 use super::input::Options;
 use super::residuals::Record;
 use super::result::Identification;
-use crate::align::Place;
+use crate::align::{Place, Sample};
 use crate::error::Result;
 use crate::model::{Model, Situation};
 use crate::solve::{Basis, Matrix, Truncation};
@@ -57,12 +57,16 @@ impl Identification {
         let mut fit = Fit::new(model, self.runs.clone(), options);
         fit.values = self.values();
         fit.sigma_mm = self.rms_mm.max(1e-9);
+        // By the times as they settled, a sample that the fit used may lie just beyond the end of its arc.
+        let on_arc = |sample: &Sample| matches!(sample.place, Place::Arc(_));
         fit.taking_part = self
-            .records
+            .runs
             .iter()
-            .map(|records| {
+            .zip(&self.records)
+            .map(|(run, records)| {
                 let stride = records.len().div_ceil(most.max(1)).max(1);
-                records.iter().enumerate().map(|(k, r)| r.used && k % stride == 0).collect()
+                let pairs = run.alignment.samples.iter().zip(records).enumerate();
+                pairs.map(|(k, (s, r))| r.used && on_arc(s) && k % stride == 0).collect()
             })
             .collect();
         let weight = |run: &Vec<Record>| run.iter().map(|r| r.weight).collect();
