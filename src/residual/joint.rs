@@ -146,3 +146,41 @@ fn derivative(
     }
     sum
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::bench::{element, residuals};
+    use super::*;
+
+    /// Every cause with a number inside, against central differences with another step.
+    #[test]
+    fn the_derivative_is_that_of_the_fitted_effect() {
+        let residuals = residuals(1, || 0.0);
+        for (term, amplitudes) in [
+            ("cyclic:on=EXX,period_mm=10", [0.8, -0.3]),
+            ("vibration:on=bar,frequency_hz=0.7", [0.4, 0.9]),
+            ("drift:on=EXt,time_constant_s=600", [1.0, 0.0]),
+            ("drift:on=EYt,time_constant_s=120", [1.0, 0.0]),
+            ("stick-slip:on=Y,speed_mm_min=60", [1.0, 0.0]),
+        ] {
+            let element = element(term);
+            let columns = element.columns(&residuals);
+            let own = &amplitudes[..columns.len()];
+            let derivative = derivative(&residuals, &element, own, &columns);
+            let at = element.free().unwrap();
+            let step = 0.1 * element.small_step();
+            let mut expected = residuals.zeros();
+            for (sign, free) in [(1.0, at + step), (-1.0, at - step)] {
+                let beside = element.with_free(free).columns(&residuals);
+                for (amplitude, column) in own.iter().zip(&beside) {
+                    expected.add(sign * amplitude / (2.0 * step), column);
+                }
+            }
+            let mut apart = derivative.clone();
+            apart.add(-1.0, &expected);
+            // The one-sided difference is off by half a step times the second derivative.
+            let share = (apart.square() / expected.square().max(1e-30)).sqrt();
+            assert!(share < 0.02, "{term}: {share}");
+        }
+    }
+}

@@ -14,6 +14,8 @@
 //!
 //! Samples and columns are multiplied by the root of the weight that the fit gave each sample.
 
+#[cfg(test)]
+pub(crate) mod bench;
 mod beside;
 mod column;
 mod element;
@@ -23,6 +25,8 @@ mod noise;
 mod residuals;
 mod structure;
 mod system;
+#[cfg(test)]
+mod tests;
 
 pub use beside::Beside;
 pub use column::Column;
