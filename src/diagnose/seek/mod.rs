@@ -5,4 +5,6 @@ pub(super) mod channel;
 pub(super) mod curves;
 pub(super) mod knock;
 pub(super) mod screen;
+#[cfg(test)]
+mod tests;
 pub(super) mod vibration;
