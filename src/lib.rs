@@ -52,8 +52,9 @@
 //!
 //! # What is not modelled
 //!
-//! Rotary axes, temperature, elasticity, servo lag, cyclic errors of screws: they are left in the
-//! residual, and no sigma counts them.
+//! Rotary axes and elasticity: they are left in the residual, and no sigma counts them. Temperature, servo
+//! lag, cyclic errors of screws and the other [`CAUSES`](model::CAUSES) are in no identification unless they are
+//! named as terms; [`diagnose`] looks for them in what an identification leaves.
 
 pub mod align;
 pub mod cli;

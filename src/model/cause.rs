@@ -2,7 +2,7 @@
 //!
 //! A cause is known by its name, acts on a [`SeatKind`], and has numbers with units. The table is the
 //! one vocabulary of `simulate --hide`, of `model.toml`, of diagnosis and of the trial; what a cause does
-//! to the machine the simulator works out by itself, and what it does to the readings diagnosis does.
+//! to the machine the simulator works out by itself, and what it does to the readings stands in [`Shape`](super::Shape).
 
 /// What a cause acts on: the key `on` of an [`Effect`](super::Effect).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

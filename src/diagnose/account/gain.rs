@@ -8,12 +8,11 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::diagnose::thresholds::NOTHING;
 use crate::residual::{self, Beside, Column, Fitted, Owner, Residuals, Structure};
 use crate::solve::dot;
 use crate::written::um;
 
-/// Less than this part of the variance before is nothing to explain.
-const NOTHING: f64 = 0.02;
 /// Standard deviations on either side of a 95 % interval of a normal variable.
 const NORMAL_95: f64 = 1.96;
 

@@ -4,14 +4,9 @@ use std::cmp::Ordering;
 
 use super::found::{Rival, Told};
 use super::search::Search;
-use crate::diagnose::thresholds::threshold_mm2;
+use crate::diagnose::thresholds::{ONE_NUMBER, SAME, UNDECIDED_SIGMAS, threshold_mm2};
 use crate::model::{Component, Kind, Seat};
 use crate::residual::{self, Column, Element, Fitted, Noise};
-
-/// Two effects whose traces differ by less than this share of their squares are the same in these runs.
-const SAME: f64 = 1e-3;
-/// Effects whose difference is within so many of its standard deviations are not decided between.
-const UNDECIDED_SIGMAS: f64 = 3.0;
 
 impl Search<'_> {
     /// What else an element could be; and all effects with a better one in its place, if there is one.
@@ -100,7 +95,7 @@ impl Duel<'_> {
 fn alike(a: &Element, b: &Element) -> bool {
     let (Some(a), Some(b)) = (a.shape(), b.shape()) else { return false };
     let near = match (a.inner, b.inner) {
-        (Some(x), Some(y)) => (x / y - 1.0).abs() < 0.02 || a.cause.kind == Kind::Drift,
+        (Some(x), Some(y)) => (x / y - 1.0).abs() < ONE_NUMBER || a.cause.kind == Kind::Drift,
         _ => true,
     };
     a.cause.kind == b.cause.kind && a.seat == b.seat && near

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::search::Search;
-use crate::diagnose::thresholds::threshold_mm2;
+use crate::diagnose::thresholds::{FOLLOWED, threshold_mm2};
 use crate::error::Result;
 use crate::identify::Campaign;
 use crate::machine::{Axis, Machine, Mounting, Pivot};
@@ -21,9 +21,6 @@ use crate::residual::{Beside, Column, Residuals, Sample};
 const MOST: usize = 3;
 /// Settings that are tried through the exact chain.
 const CLOSELY: usize = 3;
-/// A change of which less than this part of its square is left is followed by the model, up to rounding. What
-/// little is left of a pivot still counts: levers are long.
-const FOLLOWED: f64 = 1e-8;
 /// Steps towards the place of a ball.
 const MOST_STEPS: usize = 6;
 /// A place is tried this far away to see what it changes, mm.

@@ -2,17 +2,12 @@
 
 use super::search::Search;
 use crate::diagnose::seek::curves;
-use crate::diagnose::thresholds::{OF_A_CURVE, SHADOW, threshold_mm2};
+use crate::diagnose::thresholds::{
+    FIGHTING, INSTEAD_OF_A_CURVE, OF_A_CURVE, SHADOW, SMOOTH_MM, threshold_mm2,
+};
 use crate::machine::Axis;
 use crate::model::{Form, Kind, Seat, Variable};
 use crate::residual::{Beside, Element, Fitted};
-
-/// Causes in place of a curve explain at least this share of what the curve does.
-const INSTEAD_OF_A_CURVE: f64 = 0.99;
-/// Waves longer than this are smooth, mm.
-const SMOOTH_MM: f64 = 25.0;
-/// And one this many times larger, rms, than what all effects explain together is there to cancel another.
-const FIGHTING: f64 = 2.0;
 
 impl Search<'_> {
     /// The effects that stand.

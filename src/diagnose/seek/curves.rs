@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::candidate::Tried;
 use super::channel::Look;
+use crate::diagnose::thresholds::STRAIGHT;
 use crate::model::{Empirical, Form, place};
 use crate::residual::{self, Beside, Element, Fitted, Noise, Owner};
 
@@ -21,8 +22,6 @@ const RIDGE: f64 = 1e-4;
 
 /// A curve keeps at least so many knots.
 const FEWEST_KNOTS: usize = 6;
-/// A knot stays that gains this many times what chance gives an amplitude.
-const STRAIGHT: f64 = 4.0;
 
 /// A curve over a channel.
 #[derive(Debug, Clone)]

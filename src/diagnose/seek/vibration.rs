@@ -5,6 +5,7 @@ use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
 use super::candidate::Candidate;
+use crate::diagnose::thresholds::TUNED;
 use crate::machine::Axis;
 use crate::model::{Ball, Form, Kind, Seat, SetUp, Shape};
 use crate::residual::{Beside, Element, Owner, Sample, Tuning};
@@ -24,8 +25,6 @@ const FARTHEST: f64 = 5e-4;
 /// It is tried in steps of so many turns over a run, and in so many either way at most.
 const TURN: f64 = 0.1;
 const MOST_STEPS: f64 = 300.0;
-/// Another frequency in one run gains at least so many times what chance gives an amplitude.
-const TUNED: f64 = 20.0;
 
 /// What a run's residuals hold at every frequency.
 struct Spectrum {
