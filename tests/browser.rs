@@ -2,7 +2,7 @@
 //!
 //! Needs Chromium. Without it the test says that it was skipped; in CI it must run.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -1,5 +1,6 @@
 //! Whether the uncertainties that are stated are the errors that are made: many simulated repeats, each
-//! aligned and identified as a user would, each with the truth beside it.
+//! aligned and identified as a user would, each with the truth beside it. Those over hundreds are long: `cargo test
+//! --release -- --ignored` runs them.
 //!
 //! Every ratio `(estimate - truth) / stated sigma` should scatter with a standard deviation of 1. Over
 //! 200 repeats its rms is uncertain by 5 %, over 40 by 11 %.
@@ -149,7 +150,19 @@ fn starts(repeats: &[Ratios]) -> Vec<f64> {
         .collect()
 }
 
+/// A few repeats tell whether all sigmas are too large or too small, by 456 ratios; the next test tells each.
 #[test]
+fn the_stated_sigma_is_honest_in_the_mean() {
+    let repeats = all_repeats(&Bench::new("hu40t"), 12);
+    let all = rms(repeats.iter().flat_map(|r| r.parameters.iter().copied()));
+    let starts = rms(repeats.iter().flat_map(|r| r.starts.iter().map(|(ratio, _)| *ratio)));
+    println!("parameters {all:.3}, starts {starts:.3}");
+    assert!((0.9..1.1).contains(&all), "{all}");
+    assert!((0.7..1.3).contains(&starts), "{starts}");
+}
+
+#[test]
+#[ignore = "long: `cargo test --release -- --ignored` runs it, and .ci/run does"]
 fn the_stated_sigma_is_honest() {
     let bench = Bench::new("hu40t");
     let repeats = all_repeats(&bench, 200);
@@ -170,21 +183,22 @@ fn the_stated_sigma_is_honest() {
     }
     println!("all {:.3}", rms(repeats.iter().flat_map(|r| r.parameters.iter().copied())));
     let (low, high) = (honesty[0], honesty[honesty.len() - 1]);
-    assert!(low.0 > 0.85 && high.0 < 1.2, "lowest {low:?}, highest {high:?}");
+    assert!(low.0 > 0.93 && high.0 < 1.17, "lowest {low:?}, highest {high:?}");
     let starts = starts(&repeats);
-    assert!(starts.iter().all(|ratio| (0.85..1.2).contains(ratio)), "{starts:?}");
+    assert!(starts.iter().all(|ratio| (0.9..1.05).contains(ratio)), "{starts:?}");
 }
 
 #[test]
+#[ignore = "long: `cargo test --release -- --ignored` runs it, and .ci/run does"]
 fn the_stated_sigma_of_the_time_map_is_honest_over_pauses() {
     let bench = Bench::new("hu40t-stops");
     let repeats = all_repeats(&bench, 40);
     let starts = starts(&repeats);
     // A pause that is taken for motion, or a facet missed, is hundreds of sigmas.
-    assert!(starts.iter().all(|ratio| (0.55..1.45).contains(ratio)), "{starts:?}");
+    assert!(starts.iter().all(|ratio| (0.6..1.2).contains(ratio)), "{starts:?}");
     let all = rms(repeats.iter().flat_map(|r| r.parameters.iter().copied()));
     println!("all parameters {all:.3}");
-    assert!((0.85..1.2).contains(&all), "{all}");
+    assert!((0.95..1.05).contains(&all), "{all}");
 }
 
 /// Scatter of the estimates over simulated tests over the sigma that was foretold before any was run, for
@@ -274,6 +288,7 @@ fn scatter_over_foretold(file: &str, scenario: &Scenario, count: usize) -> Vec<(
 }
 
 #[test]
+#[ignore = "long: `cargo test --release -- --ignored` runs it, and .ci/run does"]
 fn the_foretold_sigma_is_the_scatter_of_simulated_tests() {
     let ratios = scatter_over_foretold("hu40t/test.toml", &drawn(1), 300);
     assert_eq!(ratios.len(), 38);
@@ -283,6 +298,7 @@ fn the_foretold_sigma_is_the_scatter_of_simulated_tests() {
 
 /// Three mountings that `ballbar design` chose: every coefficient that the volume needs.
 #[test]
+#[ignore = "long: `cargo test --release -- --ignored` runs it, and .ci/run does"]
 fn the_foretold_sigma_of_a_designed_test_is_the_scatter_of_simulated_tests() {
     // At the corners of the travel the machine errs by more than the bar reaches: the operator brings the
     // balls together there.

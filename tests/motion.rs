@@ -1,6 +1,6 @@
 //! Times and speeds of short programs against what can be worked out by hand.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use ballbar::machine::Machine;
 use ballbar::motion::{Reversals, Trajectory};

@@ -1,7 +1,5 @@
 //! `docs/paper.md` says what the program computes. `BALLBAR_UPDATE_DOCS=1` writes it anew.
 
-#![allow(clippy::unwrap_used)]
-
 use std::path::Path;
 
 use ballbar::paper::{Comparison, Geometry, search};

@@ -11,7 +11,7 @@
 //! | `determinism` | the same bits on every run and with every number of threads |
 //!
 //! `cargo test --release --test oracle -- --nocapture` shows every number that was measured.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
+#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 
 mod chain;
 mod columns;

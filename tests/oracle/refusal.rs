@@ -93,7 +93,7 @@ fn a_log_without_the_pauses_of_its_program_is_read() {
     let stops = Set::read("hu40t-stops");
     let found = identify(&stops, "hu40t/run1.csv.gz", "hu40t-stops/O1005.nc.gz", str::to_owned);
     let found = accepted("no pauses", found);
-    assert!(found.rms_mm < 1.06 * 0.1515e-3);
+    assert!(found.rms_mm < 1.01 * 0.1515e-3);
     assert!(found.cautions.is_empty());
 }
 
@@ -154,7 +154,7 @@ fn gaps_and_dropouts_do_no_harm() {
         ("30 % missing", edited(|k, s, r| ((k * 7919) % 10 > 2).then(|| (s, r.to_owned())))),
     ] {
         let found = accepted(what, found);
-        assert!(found.rms_mm < 1.03 * 0.1515e-3, "{what}");
+        assert!(found.rms_mm < 1.01 * 0.1515e-3, "{what}");
         assert!(found.cautions.is_empty(), "{what}: {:?}", found.cautions);
     }
 }
@@ -174,7 +174,7 @@ fn a_faster_feed_is_not_taken_for_lost_readings() {
     let program = set.program(&data.join("hu40t/O1005.nc.gz"));
     let alignment = set.align(&log.unwrap(), &program).unwrap();
     println!("override excess {:.4}", alignment.time_map.override_excess);
-    assert!((alignment.time_map.override_excess - 0.0105).abs() < 0.001);
+    assert!((alignment.time_map.override_excess - 0.0105).abs() < 0.000_2);
 }
 
 #[test]
