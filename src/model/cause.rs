@@ -101,3 +101,11 @@ impl PartialEq<str> for Cause {
         self.id == id
     }
 }
+
+impl Cause {
+    /// The whole numbers that a key of this name may be; none where there is no such key.
+    pub fn whole_numbers(&self, key: &str) -> impl Iterator<Item = f64> + use<> {
+        let limits = self.keys.iter().find(|known| known.name == key).map(|known| known.limits);
+        limits.into_iter().flat_map(|[low, high]| (low as i32..=high as i32).map(f64::from))
+    }
+}

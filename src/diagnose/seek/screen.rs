@@ -83,12 +83,10 @@ impl Screen {
                 Channel::gather(alone.residuals, *variable, *with_sense, seats)
             })
             .collect();
-        let mut direct: Vec<Shape> = (3..=6)
-            .map(|degree| Shape {
-                cause: Kind::Roundness.cause(),
-                seat: Seat::Whole,
-                inner: Some(f64::from(degree)),
-            })
+        let roundness = Kind::Roundness.cause();
+        let mut direct: Vec<Shape> = roundness
+            .whole_numbers("degree")
+            .map(|degree| Shape { cause: roundness, seat: Seat::Whole, inner: Some(degree) })
             .collect();
         direct.extend(
             Coefficient::all()
@@ -172,7 +170,8 @@ fn of_channel(channel: &Look) -> Vec<Candidate> {
         (Variable::Position(_), false) => {
             let power = |h: f64, degree: f64| (h / 100.0).powi(degree as i32);
             let mut found = cyclic(channel);
-            found.extend([4.0, 5.0].iter().filter_map(|d| one(Kind::Degree, &[Some(*d)], &power)));
+            let degrees = Kind::Degree.cause().whole_numbers("degree");
+            found.extend(degrees.filter_map(|degree| one(Kind::Degree, &[Some(degree)], &power)));
             found
         }
         (Variable::Position(_), true) => {

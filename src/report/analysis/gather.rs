@@ -12,7 +12,7 @@ use crate::identify::{self, Estimate, Identification, Record, RunInput};
 use crate::machine::{Axis, Machine, Pivot};
 use crate::model::Parameter;
 use crate::plan::{BallBar, Run, Test};
-use crate::report::text::numbers::finite;
+use crate::report::text::numbers::{finite, without_dust};
 use crate::solve::Matrix;
 
 /// Name and version of the format.
@@ -33,7 +33,7 @@ impl Analysis {
             .enumerate()
             .map(|(index, identification)| repeat(index, identification, &mut runs))
             .collect();
-        let over_repeats = means::of(identifications, &repeats);
+        let over_repeats = means::of(identifications);
         let mut analysis = Self {
             format: FORMAT,
             program_version: env!("CARGO_PKG_VERSION"),
@@ -173,13 +173,8 @@ fn parameter(estimate: &Estimate) -> ParameterResult {
         unit: estimate.parameter.unit,
         value: estimate.value + 0.0,
         sigma: finite(estimate.sigma),
-        observed: share(estimate.observed),
+        observed: without_dust(estimate.observed),
     }
-}
-
-/// A share without the dust of rounding.
-fn share(observed: f64) -> f64 {
-    finite(observed).map_or(0.0, |share| share.clamp(0.0, 1.0))
 }
 
 /// The closest pairs first.

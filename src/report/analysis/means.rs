@@ -2,9 +2,8 @@
 
 use serde::Serialize;
 
-use super::facts::RepeatResult;
 use crate::identify::{self, Estimate, Identification};
-use crate::report::text::numbers::finite;
+use crate::report::text::numbers::{finite, without_dust};
 
 /// One parameter over the repeats.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -24,7 +23,7 @@ pub struct MeanResult {
 }
 
 /// The parameters over the repeats, in the order of the model.
-pub(super) fn of(identifications: &[Identification], repeats: &[RepeatResult]) -> Vec<MeanResult> {
+pub(super) fn of(identifications: &[Identification]) -> Vec<MeanResult> {
     let tests: Vec<&[Estimate]> =
         identifications.iter().map(|identification| identification.estimates.as_slice()).collect();
     identify::repeats(&tests)
@@ -36,10 +35,10 @@ pub(super) fn of(identifications: &[Identification], repeats: &[RepeatResult]) -
             mean: repeat.mean + 0.0,
             deviation: repeat.deviation.and_then(finite),
             sigma: finite(repeat.stated_sigma),
-            observed: repeats
+            observed: tests
                 .iter()
-                .filter_map(|repeat| repeat.parameters.get(k))
-                .fold(1.0, |least, parameter| parameter.observed.min(least)),
+                .filter_map(|estimates| estimates.get(k))
+                .fold(1.0, |least, estimate| without_dust(estimate.observed).min(least)),
         })
         .collect()
 }

@@ -65,6 +65,11 @@ pub(in crate::report) fn share(of: f64) -> String {
     if of < NOTHING { "0 %".into() } else { format!("{} %", fixed(100.0 * of, 1)) }
 }
 
+/// A share without the dust of rounding.
+pub(in crate::report) fn without_dust(observed: f64) -> f64 {
+    finite(observed).map_or(0.0, |share| share.clamp(0.0, 1.0))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
