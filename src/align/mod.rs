@@ -22,6 +22,9 @@ mod samples;
 mod section;
 mod steps;
 mod stops;
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::panic)]
+mod tests;
 mod time_map;
 
 pub use engagement::{Engagement, Refusal};
