@@ -11,6 +11,7 @@
 
 mod account;
 mod choose;
+mod model_file;
 mod result;
 mod seek;
 mod thresholds;

@@ -3,7 +3,6 @@
 pub(super) mod arcs;
 pub(super) mod gain;
 pub(super) mod left_out;
-pub(super) mod model_file;
 pub(super) mod moved;
 pub(super) mod numbers;
 pub(super) mod times;

@@ -1,6 +1,6 @@
 //! The extended model as a file.
 
-use crate::diagnose::result::Diagnosis;
+use super::result::Diagnosis;
 use crate::identify::Campaign;
 use crate::model::{Coefficient, Form, ModelFile, SetUp};
 
