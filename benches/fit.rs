@@ -8,7 +8,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use ballbar::identify::align_run;
+use ballbar::identify::MeasuredRun;
 use ballbar::machine::{Machine, Mounting, Pose};
 use ballbar::model::{self, Model};
 use ballbar::plan::Test;
@@ -39,7 +39,8 @@ impl Measured {
         let mounting = test.mountings()[0].mounting;
         let (mut poses, mut deviations_mm) = (Vec::new(), Vec::new());
         for run in test.runs().unwrap() {
-            for sample in align_run(&test, &machine, run).unwrap().alignment.samples {
+            let measured = MeasuredRun::read(&test, run).unwrap();
+            for sample in measured.aligned(&test, &machine).unwrap().alignment.samples {
                 if matches!(sample.place, ballbar::align::Place::Arc(_)) {
                     poses.push(sample.pose);
                     deviations_mm.push(sample.deviation_mm);

@@ -52,7 +52,8 @@ impl Bench {
         let name = PathBuf::from("run1.csv");
         let log =
             log::read_bytes(run.csv().as_bytes(), &name, &self.test.log_format_of(0)).unwrap();
-        let alignment = align::align(&log, program, machine, mounting, self.bar(), 1.0)?;
+        let rig = align::Rig { machine, mounting, bar: self.bar() };
+        let alignment = align::align(&align::Run { log: &log, program, rig, feed_override: 1.0 })?;
         let terms = model::terms(&["observable35".to_owned()], &["A".to_owned()]).unwrap();
         let model = Model::new(machine, vec![*mounting], terms);
         let options = Options::of(&self.test);
@@ -252,8 +253,10 @@ fn scatter_over_foretold(file: &str, scenario: &Scenario, count: usize) -> Vec<(
                     let format = test.log_format_of(p.mounting);
                     let log = log::read_bytes(run.csv().as_bytes(), Path::new("run.csv"), &format)
                         .unwrap();
-                    let alignment =
-                        align::align(&log, &p.program, &machine, mounting, &bar, 1.0).unwrap();
+                    let rig = align::Rig { machine: &machine, mounting, bar: &bar };
+                    let program = &p.program;
+                    let aligned = align::Run { log: &log, program, rig, feed_override: 1.0 };
+                    let alignment = align::align(&aligned).unwrap();
                     RunInput {
                         name: names[p.mounting].clone(),
                         mounting: p.mounting,

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use ballbar::identify::{Comparison, Geometry, search};
+use ballbar::paper::{Comparison, Geometry, search};
 use ballbar::report::paper_page;
 
 #[test]

@@ -3,8 +3,7 @@
 use std::fmt::Write as _;
 use std::ops::Range;
 
-use nalgebra::Vector3;
-
+use super::run::Rig;
 use crate::error::{Error, Kind, Place, Result};
 use crate::log::Log;
 use crate::motion::{BlockKind, Trajectory};
@@ -28,25 +27,12 @@ impl Engagement {
     }
 }
 
-/// Length that the program commands minus the nominal length, mm.
-pub(super) fn commanded_deviation_mm(
-    position_mm: &Vector3<f64>,
-    coincidence_mm: &Vector3<f64>,
-    bar: &BallBar,
-) -> f64 {
-    (position_mm - coincidence_mm).norm() - bar.length_mm
-}
-
 /// The engagements that a program makes. Positioning through the sphere does not count: the bar is
 /// not fitted then, or reads for a moment only.
-pub(super) fn expected(
-    trajectory: &Trajectory,
-    coincidence_mm: &Vector3<f64>,
-    bar: &BallBar,
-) -> Vec<Engagement> {
+pub(super) fn expected(trajectory: &Trajectory, rig: &Rig) -> Vec<Engagement> {
     let inside = |time_s: f64| {
-        let position = trajectory.at(time_s).position_mm;
-        commanded_deviation_mm(&position, coincidence_mm, bar).abs() < bar.range_mm
+        let position_mm = trajectory.at(time_s).position_mm;
+        rig.commanded_deviation_mm(&position_mm).abs() < rig.bar.range_mm
     };
     let crossing = |mut low: f64, mut high: f64| {
         let begins = inside(low);
@@ -67,7 +53,7 @@ pub(super) fn expected(
         }
         // Fine enough that no passage through the range of a fast move is missed.
         let travel_mm = block.motion().map_or(0.0, crate::nc::Move::length_mm);
-        let pieces = (travel_mm / (0.5 * bar.range_mm)).ceil().clamp(1.0, 4096.0) as usize;
+        let pieces = (travel_mm / (0.5 * rig.bar.range_mm)).ceil().clamp(1.0, 4096.0) as usize;
         for piece in 1..=pieces {
             let time_s = block.start_s + block.duration_s * (piece as f64 / pieces as f64);
             // Just before the end: the next block begins at the end.

@@ -13,17 +13,25 @@
 //! The map is straight inside a leg. A log that lost readings there without a gap in its times, or a
 //! machine that stood where the program does not say so, is refused by [`TimeStep`].
 
+mod draft;
 mod engagement;
+mod lay;
 mod ramp;
+mod run;
 mod samples;
 mod section;
 mod steps;
 mod stops;
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::panic)]
+mod tests;
 mod time_map;
 
 pub use engagement::{Engagement, Refusal};
+pub use lay::align;
 pub use ramp::{Mark, MarkKind};
-pub use samples::{Alignment, Place, Sample, align};
+pub use run::{Rig, Run};
+pub use samples::{Alignment, Place, Sample};
 pub use section::{Circle, Section};
 pub use steps::{ArcTime, TimeStep};
 pub use time_map::{Moment, TimeMap};

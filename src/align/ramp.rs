@@ -2,10 +2,8 @@
 
 use std::ops::Range;
 
-use nalgebra::Vector3;
-
-use super::engagement::{Engagement, commanded_deviation_mm};
-use crate::log::Log;
+use super::engagement::Engagement;
+use super::run::Run;
 use crate::motion::Trajectory;
 use crate::plan::BallBar;
 
@@ -35,29 +33,28 @@ pub struct Mark {
     pub samples: usize,
 }
 
-/// A real axis does not follow its command to better than this at the feed-in, s.
-const FOLLOWING_S: f64 = 1e-3;
+/// What the delays of two ramps differ by, s. Axes follow their commands late by some milliseconds; what all
+/// ramps of a leg have in common is another offset and does no harm, but other axes drive another ramp.
+const UNEQUAL_DELAY_S: f64 = 1e-3;
 
-/// The mark of one end of an engagement.
+/// The mark of one end of an engagement, which the log shows as a stretch of readings.
 ///
 /// A ramp reading `d` was taken when the commanded length was `d - c`, with `c` the deviation right
 /// after the engagement (or before the release), where the machine stands or is on its arc: the set-up
 /// error and the machine's errors there drop out.
 pub(super) fn mark(
-    log: &Log,
-    stretch: &Range<usize>,
+    run: &Run,
     trajectory: &Trajectory,
     engagement: &Engagement,
-    coincidence_mm: &Vector3<f64>,
-    bar: &BallBar,
-    engages: bool,
+    stretch: &Range<usize>,
+    kind: MarkKind,
 ) -> Mark {
+    let (log, bar) = (run.log, run.rig.bar);
+    let engages = kind == MarkKind::Engagement;
     let period_s = log.sample_period_s();
-    let kind = if engages { MarkKind::Engagement } else { MarkKind::Release };
     let edge_program_s = if engages { engagement.start_s } else { engagement.end_s };
-    let deviation_mm = |time_s: f64| {
-        commanded_deviation_mm(&trajectory.at(time_s).position_mm, coincidence_mm, bar)
-    };
+    let deviation_mm =
+        |time_s: f64| run.rig.commanded_deviation_mm(&trajectory.at(time_s).position_mm);
     // Samples from the edge of the range inwards.
     let inwards: Vec<usize> =
         if engages { stretch.clone().collect() } else { stretch.clone().rev().collect() };
@@ -89,14 +86,14 @@ pub(super) fn mark(
         let speed_mm_s =
             ((deviation_mm(program_s + 1e-4) - deviation_mm(program_s - 1e-4)) / 2e-4).abs();
         let sigma_s =
-            (bar.noise_mm.hypot(bar.resolution_mm) / speed_mm_s.max(1e-3)).hypot(FOLLOWING_S);
+            (bar.noise_mm.hypot(bar.resolution_mm) / speed_mm_s.max(1e-3)).hypot(UNEQUAL_DELAY_S);
         let weight = 1.0 / (sigma_s * sigma_s);
         sum = (sum.0 + weight, sum.1 + weight * reading.time_s, sum.2 + weight * program_s);
         samples += 1;
     }
     if samples > 0 {
         // The following error is common to the samples of a ramp: no gain from their number there.
-        let sigma_s = (1.0 / sum.0).sqrt().max(FOLLOWING_S);
+        let sigma_s = (1.0 / sum.0).sqrt().max(UNEQUAL_DELAY_S);
         return Mark { log_s: sum.1 / sum.0, program_s: sum.2 / sum.0, sigma_s, kind, samples };
     }
     // No sample on the ramp: the edge lies within one period outside the first reading.

@@ -2,9 +2,8 @@
 
 use nalgebra::Vector3;
 
-use super::engagement::commanded_deviation_mm;
+use super::run::Rig;
 use crate::motion::{BlockKind, Trajectory};
-use crate::plan::BallBar;
 
 /// The circle that a section lies on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -95,14 +94,8 @@ pub struct Section {
 const ON_SPHERE_MM: f64 = 0.1;
 
 /// The sections of a trajectory: stretches at feed on the sphere, from standstill to standstill.
-pub(super) fn sections(
-    trajectory: &Trajectory,
-    coincidence_mm: &Vector3<f64>,
-    bar: &BallBar,
-) -> Vec<Section> {
-    let on_sphere = |point: &Vector3<f64>| {
-        commanded_deviation_mm(point, coincidence_mm, bar).abs() < ON_SPHERE_MM
-    };
+pub(super) fn sections(trajectory: &Trajectory, rig: &Rig) -> Vec<Section> {
+    let on_sphere = |point: &Vector3<f64>| rig.commanded_deviation_mm(point).abs() < ON_SPHERE_MM;
     let mut sections: Vec<Section> = Vec::new();
     let mut first: Option<usize> = None;
     for (index, block) in trajectory.blocks().iter().enumerate() {
@@ -115,12 +108,12 @@ pub(super) fn sections(
             && (!inside || block.ends_at_rest())
         {
             let end = if inside { index + 1 } else { index };
-            sections.extend(section(trajectory, begin, end, coincidence_mm));
+            sections.extend(section(trajectory, begin, end, rig));
             first = None;
         }
     }
     if let Some(begin) = first {
-        sections.extend(section(trajectory, begin, trajectory.blocks().len(), coincidence_mm));
+        sections.extend(section(trajectory, begin, trajectory.blocks().len(), rig));
     }
     // A way to the next arc is short and is not driven back.
     let driven_back = |section: &Section| {
@@ -145,19 +138,14 @@ pub(super) fn sections(
 const POINTS: usize = 48;
 
 /// The section of blocks `begin..end`; `None` where it is too short to have a plane.
-fn section(
-    trajectory: &Trajectory,
-    begin: usize,
-    end: usize,
-    coincidence_mm: &Vector3<f64>,
-) -> Option<Section> {
+fn section(trajectory: &Trajectory, begin: usize, end: usize, rig: &Rig) -> Option<Section> {
     let blocks = &trajectory.blocks()[begin..end];
     let start_s = blocks.first()?.start_s;
     let end_s = blocks.last().map(|last| last.start_s + last.duration_s)?;
     let points: Vec<Vector3<f64>> = (0..=POINTS)
         .map(|k| {
             let share = 1e-9 + (1.0 - 2e-9) * k as f64 / POINTS as f64;
-            trajectory.at(start_s + (end_s - start_s) * share).position_mm - coincidence_mm
+            rig.commanded_mm(&trajectory.at(start_s + (end_s - start_s) * share).position_mm)
         })
         .collect();
     let mut curl = Vector3::zeros();

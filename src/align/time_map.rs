@@ -1,6 +1,6 @@
 //! The time map: from the instrument's clock to program time.
 
-use super::Mark;
+use super::ramp::Mark;
 use crate::motion::{BlockKind, Trajectory};
 
 /// From log time to program time: `program = (1 + rate) · log - offset[leg]`.

@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::Common;
+use super::common::Common;
 use super::estimate::Selection;
 use super::output::{self, Files, Talk};
 use crate::error::Result;

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use clap::Args;
 
-use super::Common;
+use super::common::Common;
 use super::estimate::{Identified, Selection};
-use super::output::{self, Files, Talk};
+use super::output::{Files, Talk};
 use crate::error::Result;
 use crate::report::{self, Analysis};
 
@@ -30,16 +30,7 @@ impl Arguments {
         let analysis = identified.analysis();
         let mut files = Files::default();
         let json = add_results(&mut files, &common.output, &identified, &analysis)?;
-        let files = files.write()?;
-        if common.json {
-            output::print(&json)?;
-        } else {
-            output::print_summary(&report::summary(&analysis))?;
-        }
-        for file in files {
-            talk.say(&format!("wrote {}", file.display()));
-        }
-        Ok(())
+        files.deliver(common.json, talk, &json, &report::summary(&analysis))
     }
 }
 

@@ -7,9 +7,11 @@ use std::sync::Mutex;
 use clap::Args;
 use serde_json::json;
 
-use super::Common;
+use super::common::Common;
 use super::output::{self, Talk};
+use crate::diagnose::{Finding, Told};
 use crate::error::{Error, Result};
+use crate::model::Form;
 use crate::trial::{Class, Course, Outcome, REQUIRED, Request, Session, table};
 
 /// Hide effects at random, diagnose without knowing, and count what comes out
@@ -52,7 +54,7 @@ pub(super) struct Arguments {
     /// A line for each trial
     #[arg(long)]
     list: bool,
-    /// Do one trial again and tell all that was found
+    /// Do one trial again and print all that was found
     #[arg(long, value_name = "CLASS:INDEX", value_parser = request, conflicts_with_all = ["class", "full", "trials", "list"])]
     trial: Option<Request>,
 }
@@ -134,26 +136,36 @@ fn replay(session: &Session, request: Request, common: &Common) -> Result<()> {
         return Err(Error::input(failure.clone()));
     }
     let mut text = line(&outcome);
-    let Some(findings) = &outcome.findings else { return output::print(&text) };
-    for finding in findings {
-        let _ = writeln!(text, "found, {:.3} um rms:", 1e3 * finding.rms_mm);
-        match finding.element.shape() {
-            Some(shape) => _ = writeln!(text, "  {}", shape.name()),
-            None => _ = writeln!(text, "  {:?}", finding.element.form),
-        }
-        for number in &finding.numbers {
-            let sigma = number.sigma.map_or(String::new(), |sigma| format!(" +- {sigma:.4}"));
-            let _ = writeln!(text, "    {} = {:.4}{sigma}", number.name, number.value);
-        }
-        for rival in &finding.rivals {
-            if let Some(shape) = rival.element.shape() {
-                let told = format!("{:?}", rival.told).to_lowercase();
-                let share = 100.0 * rival.share;
-                let _ = writeln!(text, "    or {}: {share:.2} %, {told}", shape.name());
-            }
-        }
+    for finding in outcome.findings.iter().flatten() {
+        text.push_str(&described(finding));
     }
     output::print(&text)
+}
+
+/// A finding with its numbers and its rivals.
+fn described(finding: &Finding) -> String {
+    let mut text = format!("found, {:.3} um rms:\n", 1e3 * finding.rms_mm);
+    let _ = match &finding.element.form {
+        Form::Cause(shape) => writeln!(text, "  {}", shape.name()),
+        Form::Empirical(curve) => {
+            let by_sense = if curve.with_sense { ", by direction" } else { "" };
+            let (seat, knots) = (curve.seat, curve.knots.len());
+            writeln!(text, "  curve of {seat} over the {}{by_sense}, {knots} knots", curve.variable)
+        }
+    };
+    for number in &finding.numbers {
+        let sigma = number.sigma.map_or(String::new(), |sigma| format!(" +- {sigma:.4}"));
+        let _ = writeln!(text, "    {} = {:.4}{sigma}", number.name, number.value);
+    }
+    for rival in finding.rivals.iter().filter(|rival| rival.element.shape().is_some()) {
+        let apart = match rival.told {
+            Told::Same => "the same in these runs",
+            Told::Undecided => "not decided within the noise",
+            Told::Apart => "explains less",
+        };
+        let _ = writeln!(text, "    or {}: {:.2} %, {apart}", rival.name(), 100.0 * rival.share);
+    }
+    text
 }
 
 /// Lines of trials, told in the order in which they were asked for.

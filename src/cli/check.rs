@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::json;
 
-use super::Common;
+use super::common::Common;
 use super::output::{self, Files, Talk};
 use crate::error::{Error, Result};
 use crate::machine::Machine;

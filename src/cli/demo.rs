@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::Common;
 use super::analyse::add_results;
+use super::common::Common;
 use super::estimate::Selection;
 use super::output::{self, Files, Talk};
 use super::program::told;

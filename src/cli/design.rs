@@ -4,14 +4,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::Common;
-use super::output::{self, Files, Talk};
+use super::common::Common;
+use super::output::{Files, Talk};
 use crate::design::{Designer, Measured, Outlook};
 use crate::error::{Error, Kind, Place, Result};
 use crate::plan::Test;
 use crate::report;
 
-/// Design a test: arcs and mountings that tell most in a budget of time
+/// Design a test: the arcs and mountings that determine most in a budget of time
 ///
 /// Reads the `[design]` of a test file, chooses set-ups and arcs, and writes `test.toml`, ready for
 /// `ballbar plan` and `ballbar program`.
@@ -71,15 +71,7 @@ impl Arguments {
         kept.extend(self.given.clone());
         kept.extend(measured.as_ref().map(|measured| measured.test().file().to_path_buf()));
         files.keep(&kept)?;
-        let files = files.write()?;
-        if common.json {
-            output::print(&format!("{:#}\n", report::proposal_json(&test, &proposal, &outlook)))?;
-        } else {
-            output::print_summary(&report::proposal_text(&test, &proposal, &outlook))?;
-        }
-        for file in files {
-            talk.say(&format!("wrote {}", file.display()));
-        }
-        Ok(())
+        let json = format!("{:#}\n", report::proposal_json(&test, &proposal, &outlook));
+        files.deliver(common.json, talk, &json, &report::proposal_text(&test, &proposal, &outlook))
     }
 }

@@ -2,10 +2,10 @@
 
 use clap::Args;
 
-use super::Common;
 use super::analyse::add_results;
+use super::common::Common;
 use super::estimate::Selection;
-use super::output::{self, Files, Talk};
+use super::output::{Files, Talk};
 use crate::error::{Error, Kind, Result};
 use crate::identify::Failure;
 use crate::report;
@@ -39,15 +39,6 @@ impl Arguments {
         })?;
         let mut files = Files::default();
         add_results(&mut files, &common.output, &identified, &analysis)?;
-        let files = files.write()?;
-        if common.json {
-            output::print(&facts.to_json()?)?;
-        } else {
-            output::print_summary(&report::diagnosis_text(facts))?;
-        }
-        for file in files {
-            talk.say(&format!("wrote {}", file.display()));
-        }
-        Ok(())
+        files.deliver(common.json, talk, &facts.to_json()?, &report::diagnosis_text(facts))
     }
 }

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::output::Talk;
 use crate::diagnose::{self, Diagnosis};
@@ -10,8 +11,9 @@ use crate::error::Result;
 use crate::identify::{Campaign, Failure};
 use crate::machine::Machine;
 use crate::model::ModelFile;
-use crate::plan::{Loss, Test};
+use crate::plan::Test;
 use crate::report::{Analysis, DiagnosisFacts};
+use crate::solve::Loss;
 
 /// A test, and what to estimate where it differs from the test file.
 #[derive(Args)]
@@ -26,19 +28,20 @@ pub(super) struct Selection {
     #[arg(long, value_name = "FILE", conflicts_with = "terms")]
     model: Option<PathBuf>,
     /// Weights of far-off samples
-    #[arg(long, value_enum)]
-    loss: Option<Weights>,
+    #[arg(long, value_parser = losses())]
+    loss: Option<Loss>,
     /// Where terms are confounded, take the shortest solution instead of refusing
     #[arg(long)]
     minimum_norm: bool,
 }
 
-/// See [`Loss`].
-#[derive(Clone, Copy, ValueEnum)]
-enum Weights {
-    Off,
-    Huber,
-    Tukey,
+/// The losses by their names.
+fn losses() -> impl TypedValueParser<Value = Loss> {
+    let names = PossibleValuesParser::new(Loss::NAMED.map(|(name, _)| name));
+    names.map(|written| {
+        let named = Loss::NAMED.into_iter().find(|(name, _)| *name == written);
+        named.map_or(Loss::default(), |(_, loss)| loss)
+    })
 }
 
 /// A test whose runs were identified.
@@ -73,11 +76,7 @@ impl Selection {
             estimation.take(&ModelFile::read(file)?);
         }
         if let Some(loss) = self.loss {
-            estimation.loss = match loss {
-                Weights::Off => Loss::Off,
-                Weights::Huber => Loss::Huber,
-                Weights::Tukey => Loss::Tukey,
-            };
+            estimation.loss = loss;
         }
         estimation.minimum_norm |= self.minimum_norm;
         let test = test.with_estimation(estimation);

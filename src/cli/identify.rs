@@ -2,9 +2,9 @@
 
 use clap::Args;
 
-use super::Common;
+use super::common::Common;
 use super::estimate::Selection;
-use super::output::{self, Files, Talk};
+use super::output::{Files, Talk};
 use crate::error::Result;
 use crate::report;
 
@@ -28,15 +28,6 @@ impl Arguments {
         let json = analysis.to_json()?;
         let mut files = Files::default();
         files.add(common.output.join("analysis.json"), json.clone());
-        let files = files.write()?;
-        if common.json {
-            output::print(&json)?;
-        } else {
-            output::print_summary(&report::summary(&analysis))?;
-        }
-        for file in files {
-            talk.say(&format!("wrote {}", file.display()));
-        }
-        Ok(())
+        files.deliver(common.json, talk, &json, &report::summary(&analysis))
     }
 }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
-use super::Common;
+use super::common::Common;
 use super::output::{self, Talk};
 use crate::error::{Error, Place, Result};
 use crate::machine::{Axis, Machine, Pivot, Slide};
@@ -23,7 +23,7 @@ pub(super) struct Arguments {
 }
 
 impl Arguments {
-    pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
+    pub(super) fn run(&self, common: &Common) -> Result<()> {
         let files = if self.files.is_empty() { all_in_directory()? } else { self.files.clone() };
         let mut first_wrong = None;
         let mut machines = Vec::new();
@@ -33,7 +33,7 @@ impl Arguments {
                 // Every file is checked; all but the last error are told on the way.
                 Err(error) => {
                     if let Some(before) = first_wrong.replace(error) {
-                        talk.error(&before);
+                        Talk::error(&before);
                     }
                 }
             }

@@ -1,10 +1,10 @@
 //! Completions and man pages.
 
-use clap::{Args, CommandFactory};
+use clap::{Args, Command};
 use clap_complete::Shell;
 
+use super::common::Common;
 use super::output::{self, Files, Talk};
-use super::{Cli, Common};
 use crate::error::{Error, Kind, Result};
 
 /// Print the completions of a shell on stdout
@@ -15,9 +15,9 @@ pub(super) struct Completions {
 }
 
 impl Completions {
-    pub(super) fn run(&self) -> Result<()> {
+    pub(super) fn run(&self, whole: &mut Command) -> Result<()> {
         let mut text = Vec::new();
-        clap_complete::generate(self.shell, &mut Cli::command(), "ballbar", &mut text);
+        clap_complete::generate(self.shell, whole, "ballbar", &mut text);
         output::print(&String::from_utf8_lossy(&text))
     }
 }
@@ -29,9 +29,8 @@ pub(super) struct Man {}
 impl Man {
     // The other subcommands have arguments to look at.
     #[expect(clippy::unused_self)]
-    pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
+    pub(super) fn run(&self, whole: &Command, common: &Common, talk: &Talk) -> Result<()> {
         let mut files = Files::default();
-        let whole = Cli::command();
         let pages = std::iter::once(whole.clone())
             .chain(whole.get_subcommands().filter(|c| !c.is_hide_set()).cloned());
         for page in pages {

@@ -8,6 +8,7 @@ mod align;
 mod analyse;
 mod blind;
 mod check;
+mod common;
 mod demo;
 mod design;
 mod diagnose;
@@ -22,12 +23,14 @@ mod program;
 mod simulate;
 mod time;
 
-use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
+use common::Common;
 use output::Talk;
+
+use crate::error::Result;
 
 /// Programs for a telescoping ball-bar, alignment of its logs, identification of the machine.
 #[derive(Parser)]
@@ -41,11 +44,11 @@ pub struct Cli {
 
 const LONG_ABOUT: &str = "Programs for a telescoping ball-bar, alignment of its logs, identification of the machine.\n\n\
 A machine file says what the machine is, a test file says what is tested, with what, and what was measured. \
-`plan` says what it takes and what it will know, `program` writes the NC programs, the machine runs them, `analyse` makes coefficients and a report of the logs, `diagnose` says what the model gets wrong.";
+`plan` says what it takes and what it will determine, `program` writes the NC programs, the machine runs them, `analyse` makes coefficients and a report of the logs, `diagnose` says what the model gets wrong.";
 
 const AFTER_HELP: &str = "Examples:
   ballbar demo                                 the whole chain on measured logs, in a few seconds
-  ballbar plan test.toml                       what a test takes and what it will know
+  ballbar plan test.toml                       what a test takes and what it will determine
   ballbar program test.toml -o out             write the NC programs of a test
   ballbar check out/O1001.nc --test test.toml  what is wrong with a program that was edited
   ballbar analyse test.toml -o out             align the logs, identify, write the report
@@ -59,20 +62,6 @@ Exit codes:
   3  a log does not belong to its program
   4  the data cannot determine what was asked for
   5  a result cannot be written";
-
-/// Options that every subcommand takes.
-#[derive(Args)]
-struct Common {
-    /// Directory for results; made if it is not there
-    #[arg(short, long, global = true, default_value = "out", value_name = "DIR")]
-    output: PathBuf,
-    /// Print results as JSON on stdout instead of text
-    #[arg(long, global = true)]
-    json: bool,
-    /// Print nothing but results and errors
-    #[arg(short, long, global = true)]
-    quiet: bool,
-}
 
 #[derive(Subcommand)]
 enum Command {
@@ -94,34 +83,66 @@ enum Command {
     Man(manual::Man),
 }
 
+impl Command {
+    /// Whether it writes to the directory of results, whatever its arguments say.
+    fn writes(&self) -> bool {
+        match self {
+            Self::Plan(_)
+            | Self::Program(_)
+            | Self::Simulate(_)
+            | Self::Align(_)
+            | Self::Identify(_)
+            | Self::Analyse(_)
+            | Self::Diagnose(_)
+            | Self::Design(_)
+            | Self::Demo(_) => true,
+            Self::Check(_)
+            | Self::Time(_)
+            | Self::Blind(_)
+            | Self::Machines(_)
+            | Self::Paper(_)
+            | Self::Completions(_)
+            | Self::Man(_) => false,
+        }
+    }
+}
+
 /// Runs the program: parses the command line, does it, prints errors, gives the exit code.
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let talk = Talk::new(cli.common.quiet);
-    let common = &cli.common;
-    let done = match &cli.command {
-        Command::Plan(arguments) => arguments.run(common, &talk),
-        Command::Program(arguments) => arguments.run(common, &talk),
-        Command::Check(arguments) => arguments.run(common, &talk),
-        Command::Time(arguments) => arguments.run(common, &talk),
-        Command::Simulate(arguments) => arguments.run(common, &talk),
-        Command::Align(arguments) => arguments.run(common, &talk),
-        Command::Identify(arguments) => arguments.run(common, &talk),
-        Command::Analyse(arguments) => arguments.run(common, &talk),
-        Command::Diagnose(arguments) => arguments.run(common, &talk),
-        Command::Design(arguments) => arguments.run(common, &talk),
-        Command::Blind(arguments) => arguments.run(common, &talk),
-        Command::Demo(arguments) => arguments.run(common, &talk),
-        Command::Machines(arguments) => arguments.run(common, &talk),
-        Command::Paper(arguments) => arguments.run(common, &talk),
-        Command::Completions(arguments) => arguments.run(),
-        Command::Man(arguments) => arguments.run(common, &talk),
-    };
-    match done {
+    match cli.run(&talk) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            talk.error(&error);
+            Talk::error(&error);
             ExitCode::from(error.kind.exit_code())
+        }
+    }
+}
+
+impl Cli {
+    fn run(&self, talk: &Talk) -> Result<()> {
+        let common = &self.common;
+        if self.command.writes() {
+            output::check_directory(&common.output)?;
+        }
+        match &self.command {
+            Command::Plan(arguments) => arguments.run(common, talk),
+            Command::Program(arguments) => arguments.run(common, talk),
+            Command::Check(arguments) => arguments.run(common, talk),
+            Command::Time(arguments) => arguments.run(common, talk),
+            Command::Simulate(arguments) => arguments.run(common, talk),
+            Command::Align(arguments) => arguments.run(common, talk),
+            Command::Identify(arguments) => arguments.run(common, talk),
+            Command::Analyse(arguments) => arguments.run(common, talk),
+            Command::Diagnose(arguments) => arguments.run(common, talk),
+            Command::Design(arguments) => arguments.run(common, talk),
+            Command::Blind(arguments) => arguments.run(common, talk),
+            Command::Demo(arguments) => arguments.run(common, talk),
+            Command::Machines(arguments) => arguments.run(common),
+            Command::Paper(arguments) => arguments.run(common, talk),
+            Command::Completions(arguments) => arguments.run(&mut Cli::command()),
+            Command::Man(arguments) => arguments.run(&Cli::command(), common, talk),
         }
     }
 }

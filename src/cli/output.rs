@@ -1,23 +1,31 @@
 //! How the program speaks: data on stdout, talk on stderr, files that appear whole or not at all.
 
+use std::fmt::Write as _;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use anstream::{AutoStream, ColorChoice};
+use anstyle::{AnsiColor, Style};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::error::{Error, Kind, Place, Result};
 
+/// Headings of a summary, and of those the cautions.
+const HEADING: Style = AnsiColor::Cyan.on_default().bold();
+const CAUTION: Style = AnsiColor::Yellow.on_default().bold();
+/// The word that an error begins with, and the one before its hint.
+const ERROR: Style = AnsiColor::Red.on_default().bold();
+const HINT: Style = AnsiColor::Cyan.on_default().bold();
+
 /// What goes to stderr.
 pub(super) struct Talk {
     quiet: bool,
-    colour: bool,
 }
 
 impl Talk {
     pub(super) fn new(quiet: bool) -> Self {
-        let terminal = std::io::stderr().is_terminal();
-        Self { quiet, colour: terminal && std::env::var_os("NO_COLOR").is_none() }
+        Self { quiet }
     }
 
     /// A line for the user, unless he wants quiet.
@@ -28,12 +36,11 @@ impl Talk {
         }
     }
 
-    pub(super) fn error(&self, error: &Error) {
-        let (red, plain) = if self.colour { ("\x1b[1;31m", "\x1b[0m") } else { ("", "") };
-        let text = format!("{red}error{plain}: {error}");
-        let text =
-            if self.colour { text.replace("\nhint:", "\n\x1b[1;36mhint\x1b[0m:") } else { text };
-        let _ = writeln!(std::io::stderr(), "{text}");
+    /// The error with its hint; a stream that shows no colours gets none.
+    pub(super) fn error(error: &Error) {
+        let text = format!("{ERROR}error{ERROR:#}: {error}");
+        let text = text.replace("\nhint:", &format!("\n{HINT}hint{HINT:#}:"));
+        let _ = writeln!(anstream::stderr(), "{text}");
     }
 
     /// A bar on a terminal while something takes longer than a moment.
@@ -63,21 +70,18 @@ impl Talk {
 
 /// A summary on stdout: on a terminal its headings, the lines that are not indented, stand out.
 pub(super) fn print_summary(text: &str) -> Result<()> {
-    if !std::io::stdout().is_terminal() || std::env::var_os("NO_COLOR").is_some() {
+    if AutoStream::choice(&std::io::stdout()) == ColorChoice::Never {
         return print(text);
     }
     let heading = |line: &str| !line.is_empty() && !line.starts_with(' ');
     let mut coloured = String::with_capacity(text.len() + 512);
     for line in text.lines() {
-        let (on, off) = match line {
-            "Cautions" => ("\x1b[1;33m", "\x1b[0m"),
-            line if heading(line) => ("\x1b[1;36m", "\x1b[0m"),
-            _ => ("", ""),
+        let style = match line {
+            "Cautions" => CAUTION,
+            line if heading(line) => HEADING,
+            _ => Style::new(),
         };
-        coloured.push_str(on);
-        coloured.push_str(line);
-        coloured.push_str(off);
-        coloured.push('\n');
+        let _ = writeln!(coloured, "{style}{line}{style:#}");
     }
     print(&coloured)
 }
@@ -118,6 +122,26 @@ impl Files {
             .hint("choose another directory with `-o DIR`"))
     }
 
+    /// Writes all, prints the result as JSON or as a summary, and says what was written.
+    pub(super) fn deliver(
+        self,
+        as_json: bool,
+        talk: &Talk,
+        json: &str,
+        summary: &str,
+    ) -> Result<()> {
+        let files = self.write()?;
+        if as_json {
+            print(json)?;
+        } else {
+            print_summary(summary)?;
+        }
+        for file in files {
+            talk.say(&format!("wrote {}", file.display()));
+        }
+        Ok(())
+    }
+
     /// Writes all, each to a temporary file beside its place and then under its name.
     pub(super) fn write(self) -> Result<Vec<PathBuf>> {
         let mut staged = Vec::new();
@@ -131,19 +155,28 @@ impl Files {
     }
 }
 
+/// Refuses a directory that results could not be written to, before any work is done for them; nothing is made.
+pub(super) fn check_directory(directory: &Path) -> Result<()> {
+    let there = directory.ancestors().find(|ancestor| ancestor.exists());
+    let there = there.unwrap_or_else(|| Path::new("."));
+    if there.is_file() {
+        return Err(Error::new(
+            Kind::Output,
+            "a file stands where the directory of results should be",
+        )
+        .at(Place::file(there))
+        .hint("choose another directory with `-o DIR`"));
+    }
+    // Whether one may write cannot be read off the permissions; the file is gone at once.
+    tempfile::tempfile_in(there).map_err(|error| cannot_write(directory, &error))?;
+    Ok(())
+}
+
 fn stage(file: &Path, content: &[u8]) -> Result<tempfile::NamedTempFile> {
     let directory = match file.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
-    if directory.is_file() {
-        return Err(Error::new(
-            Kind::Output,
-            "a file stands where the directory of results should be",
-        )
-        .at(Place::file(directory))
-        .hint("choose another directory with `-o DIR`"));
-    }
     std::fs::create_dir_all(directory).map_err(|error| cannot_write(directory, &error))?;
     if file.is_dir() {
         return Err(Error::new(Kind::Output, "a directory stands where the file should go")

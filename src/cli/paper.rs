@@ -2,10 +2,10 @@
 
 use clap::Args;
 
-use super::Common;
-use super::output::{self, Files, Talk};
+use super::common::Common;
+use super::output::{Files, Talk};
 use crate::error::Result;
-use crate::identify::{self, Comparison, Geometry};
+use crate::paper::{self, Comparison, Geometry};
 use crate::report;
 
 /// Compute the paper's Section 4 and Tables 2 to 4 again
@@ -21,7 +21,7 @@ pub(super) struct Arguments {
     /// Search the geometry whose condition numbers are nearest to the paper's
     #[arg(long)]
     search: bool,
-    /// Write the page paper.md, which tells the search's result too
+    /// Write the page paper.md, with the result of the search
     #[arg(long)]
     page: bool,
 }
@@ -29,12 +29,12 @@ pub(super) struct Arguments {
 impl Arguments {
     pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
         let bar = talk.progress(Comparison::STEPS, "ranks");
-        let paper = Comparison::compute(Geometry::DESIGN, &|| bar.inc(1));
+        let comparison = Comparison::compute(Geometry::DESIGN, &|| bar.inc(1));
         bar.finish_and_clear();
-        let paper = paper?;
+        let comparison = comparison?;
         let nearest = if self.search || self.page {
-            let bar = talk.progress(identify::search_steps(), "geometries");
-            let nearest = identify::search(&|| bar.inc(1));
+            let bar = talk.progress(paper::search_steps(), "geometries");
+            let nearest = paper::search(&|| bar.inc(1));
             bar.finish_and_clear();
             Some(nearest?)
         } else {
@@ -42,22 +42,12 @@ impl Arguments {
         };
         let mut files = Files::default();
         if self.page {
-            let page = report::paper_page(&paper, nearest.as_ref());
+            let page = report::paper_page(&comparison, nearest.as_ref());
             files.add(common.output.join("paper.md"), page);
         }
-        let files = files.write()?;
-        if common.json {
-            let json = report::paper_json(&paper, nearest.as_ref());
-            output::print(&format!("{json:#}\n"))?;
-        } else {
-            output::print(&report::paper_text(&paper))?;
-            if let Some(nearest) = &nearest {
-                output::print(&report::nearest_text(nearest))?;
-            }
-        }
-        for file in files {
-            talk.say(&format!("wrote {}", file.display()));
-        }
-        Ok(())
+        let json = format!("{:#}\n", report::paper_json(&comparison, nearest.as_ref()));
+        let text = report::paper_text(&comparison)
+            + &nearest.as_ref().map_or_else(String::new, report::nearest_text);
+        files.deliver(common.json, talk, &json, &text)
     }
 }

@@ -4,15 +4,15 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::Common;
-use super::output::{self, Files, Talk};
+use super::common::Common;
+use super::output::{Files, Talk};
 use crate::design::Outlook;
 use crate::error::Result;
 use crate::model::ModelFile;
 use crate::plan::Test;
 use crate::report::{self, PlanReport, Planned};
 
-/// Say what a test takes and what it will know, before it is run
+/// Say what a test takes and what it will determine, before it is run
 ///
 /// The programs run on a perfect virtual machine; what the noise of the test file leaves uncertain, what
 /// the test confounds and what would separate it follow from that. Writes plan.html and plan.json, and
@@ -27,13 +27,13 @@ pub(super) struct Arguments {
     /// The test files
     #[arg(value_name = "TEST", required = true)]
     tests: Vec<PathBuf>,
-    /// How often each test is run: the mean of N knows better by the root of N
+    /// How often each test is run: the sigma of the mean of N is smaller by the root of N
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeats: u32,
     /// Terms of a model that `diagnose` has written, instead of the test files'
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
-    /// List all that the tests cannot tell, and several tests each by itself
+    /// List all that the tests cannot distinguish, and several tests each by itself
     #[arg(long)]
     all: bool,
 }
@@ -69,15 +69,6 @@ impl Arguments {
         let mut files = Files::default();
         files.add(common.output.join("plan.html"), report::plan_page(&plan, &planned)?);
         files.add(common.output.join("plan.json"), json.clone());
-        let files = files.write()?;
-        if common.json {
-            output::print(&json)?;
-        } else {
-            output::print_summary(&report::plan_summary(&plan, self.all))?;
-        }
-        for file in files {
-            talk.say(&format!("wrote {}", file.display()));
-        }
-        Ok(())
+        files.deliver(common.json, talk, &json, &report::plan_summary(&plan, self.all))
     }
 }

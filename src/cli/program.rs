@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
+use super::common::Common;
 use super::output::{self, Files, Talk};
-use super::{Common, time};
+use super::time;
 use crate::design::PlannedProgram;
 use crate::error::Result;
 use crate::plan::Test;

@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::Common;
+use super::common::Common;
 use super::output::{self, Files, Talk};
 use crate::design::PlannedProgram;
 use crate::error::{Error, Kind, Result};
+use crate::machine::Machine;
 use crate::model::{Effect, ModelFile};
 use crate::nc;
 use crate::plan::Test;
@@ -53,10 +54,57 @@ struct Source {
     mounting: usize,
 }
 
+/// A run that was simulated, and the log that it wrote.
+struct Simulated {
+    /// File name of the log.
+    log: String,
+    /// Index of the program that ran.
+    source: usize,
+    repeat: u32,
+    run: SimulatedRun,
+}
+
 impl Arguments {
     pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
         let test = Test::read(&self.test)?;
         let machine = test.machine()?;
+        let scenario = self.scenario_of(&test)?;
+        let sources = Self::sources(&test, &machine)?;
+        let progress = talk.progress(sources.len() * self.repeats as usize, "simulating");
+        let simulated = self.simulate(&test, &machine, &scenario, &sources, &|| progress.inc(1));
+        progress.finish_and_clear();
+        let simulated = simulated?;
+        let mut files = Files::default();
+        for source in &sources {
+            files.add(common.output.join(&source.file), source.text.clone());
+        }
+        for one in &simulated {
+            files.add(common.output.join(&one.log), one.run.csv());
+        }
+        let truths: Vec<TrueRun> = simulated
+            .iter()
+            .map(|one| TrueRun { log: &one.log, program: &sources[one.source].file, run: &one.run })
+            .collect();
+        files.add(common.output.join("truth.toml"), truth_toml(&truths));
+        files.add(common.output.join("test.toml"), self.test_of(&test, &sources, &simulated)?);
+        files.keep(&self.inputs(&test, &machine))?;
+        let files = files.write()?;
+        if common.json {
+            let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
+            return output::print(&format!("{:#}\n", serde_json::json!({ "files": names })));
+        }
+        for file in files {
+            output::print(&format!("{}\n", file.display()))?;
+        }
+        talk.say(&format!(
+            "analyse them with: ballbar analyse {}",
+            common.output.join("test.toml").display()
+        ));
+        Ok(())
+    }
+
+    /// The scenario of the file with what the command line adds.
+    fn scenario_of(&self, test: &Test) -> Result<Scenario> {
         let mut scenario = match &self.scenario {
             Some(file) => Scenario::read(file)?,
             // In several places, far from the middle of the travel, an operator brings the balls together
@@ -75,17 +123,23 @@ impl Arguments {
         for effect in &self.hide {
             scenario.hide(Effect::parse(effect)?)?;
         }
-        let sources = Self::sources(&test, &machine)?;
-        let progress = talk.progress(sources.len() * self.repeats as usize, "simulating");
-        let mut files = Files::default();
-        let mut simulated: Vec<(String, usize, u32, SimulatedRun)> = Vec::new();
-        for source in &sources {
-            files.add(common.output.join(&source.file), source.text.clone());
-        }
+        Ok(scenario)
+    }
+
+    /// Every program as often as the test is repeated, in the order in which the logs are written.
+    fn simulate(
+        &self,
+        test: &Test,
+        machine: &Machine,
+        scenario: &Scenario,
+        sources: &[Source],
+        done: &dyn Fn(),
+    ) -> Result<Vec<Simulated>> {
+        let mut simulated: Vec<Simulated> = Vec::new();
         for repeat in 1..=self.repeats {
             for (index, source) in sources.iter().enumerate() {
                 let mounting = &test.mountings()[source.mounting];
-                let mut reading = nc::Reading::of(&machine);
+                let mut reading = nc::Reading::of(machine);
                 reading
                     .work_offsets_mm
                     .insert(mounting.work_offset, mounting.mounting.coincidence_mm);
@@ -94,62 +148,36 @@ impl Arguments {
                 let seed = scenario.seed.wrapping_add(u64::from(repeat - 1) * 1000 + index as u64);
                 // Runs count in the order in which their logs are written and stand in the test file.
                 let number = simulated.len() as u32 + 1;
-                let done = run(
-                    &machine,
-                    &mounting.mounting,
-                    &program,
-                    &test.bar_of(source.mounting),
-                    &scenario
-                        .clone()
-                        .with_seed(seed)
-                        .with_run_number(number)
-                        .with_mounting_number(source.mounting as u32 + 1),
-                )?;
-                let alike = sources.iter().filter(|other| other.file == source.file).count();
-                let name = match (sources.len(), alike) {
-                    (1, _) => format!("run{repeat}.csv"),
-                    (_, 1) => format!("run{repeat}-{}.csv", stem(&source.file)),
-                    // One program, run in several mountings.
-                    _ => format!("run{repeat}-{}-{}.csv", stem(&source.file), index + 1),
-                };
-                files.add(common.output.join(&name), done.csv());
-                simulated.push((name, index, repeat, done));
-                progress.inc(1);
+                let scenario = scenario
+                    .clone()
+                    .with_seed(seed)
+                    .with_run_number(number)
+                    .with_mounting_number(source.mounting as u32 + 1);
+                let bar = test.bar_of(source.mounting);
+                let run = run(machine, &mounting.mounting, &program, &bar, &scenario)?;
+                simulated.push(Simulated {
+                    log: log_name(sources, index, repeat),
+                    source: index,
+                    repeat,
+                    run,
+                });
+                done();
             }
         }
-        progress.finish_and_clear();
-        let truths: Vec<TrueRun> = simulated
-            .iter()
-            .map(|(log, source, _, run)| TrueRun { log, program: &sources[*source].file, run })
-            .collect();
-        files.add(common.output.join("truth.toml"), truth_toml(&truths));
-        let runs: Vec<_> = simulated
-            .iter()
-            .map(|(log, source, repeat, _)| (log.as_str(), &sources[*source], *repeat))
-            .collect();
-        files.add(common.output.join("test.toml"), self.test_of(&test, &runs)?);
+        Ok(simulated)
+    }
+
+    /// The files that are read: none of them may be replaced.
+    fn inputs(&self, test: &Test, machine: &Machine) -> Vec<PathBuf> {
         let mut inputs = vec![self.test.clone(), machine.file().to_path_buf()];
         inputs.extend(self.scenario.clone());
         for run in test.runs().unwrap_or_default() {
             inputs.extend([run.program.clone(), run.log.clone()]);
         }
-        files.keep(&inputs)?;
-        let files = files.write()?;
-        if common.json {
-            let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
-            return output::print(&format!("{:#}\n", serde_json::json!({ "files": names })));
-        }
-        for file in files {
-            output::print(&format!("{}\n", file.display()))?;
-        }
-        talk.say(&format!(
-            "analyse them with: ballbar analyse {}",
-            common.output.join("test.toml").display()
-        ));
-        Ok(())
+        inputs
     }
 
-    fn sources(test: &Test, machine: &crate::machine::Machine) -> Result<Vec<Source>> {
+    fn sources(test: &Test, machine: &Machine) -> Result<Vec<Source>> {
         if test.plan().is_ok() {
             return (0..test.mountings().len())
                 .map(|mounting| {
@@ -172,7 +200,7 @@ impl Arguments {
     }
 
     /// The test file with the simulated runs in place of its own.
-    fn test_of(&self, test: &Test, runs: &[(&str, &Source, u32)]) -> Result<String> {
+    fn test_of(&self, test: &Test, sources: &[Source], simulated: &[Simulated]) -> Result<String> {
         let faulty = |what: String| Error::new(Kind::Output, what);
         let source = crate::toml_text::read(&self.test)?;
         let mut table: toml::Table =
@@ -182,20 +210,33 @@ impl Arguments {
         table.insert("machine".into(), machine.display().to_string().into());
         // The simulated log has the usual columns, whatever the measured ones had.
         table.remove("log");
-        let runs: Vec<toml::Value> = runs
+        let runs: Vec<toml::Value> = simulated
             .iter()
-            .map(|(log, source, repeat)| {
+            .map(|one| {
+                let source = &sources[one.source];
                 let mut run = toml::Table::new();
                 run.insert("program".into(), source.file.clone().into());
-                run.insert("log".into(), (*log).into());
+                run.insert("log".into(), one.log.clone().into());
                 let mounting = test.mountings()[source.mounting].name.clone();
                 run.insert("mounting".into(), mounting.into());
-                run.insert("repeat".into(), i64::from(*repeat).into());
+                run.insert("repeat".into(), i64::from(one.repeat).into());
                 run.into()
             })
             .collect();
         table.insert("run".into(), runs.into());
         toml::to_string(&table).map_err(|error| faulty(error.to_string()))
+    }
+}
+
+/// What the log of a program is called, by what tells it from the others.
+fn log_name(sources: &[Source], index: usize, repeat: u32) -> String {
+    let file = &sources[index].file;
+    let alike = sources.iter().filter(|other| other.file == *file).count();
+    match (sources.len(), alike) {
+        (1, _) => format!("run{repeat}.csv"),
+        (_, 1) => format!("run{repeat}-{}.csv", stem(file)),
+        // One program, run in several mountings.
+        _ => format!("run{repeat}-{}-{}.csv", stem(file), index + 1),
     }
 }
 

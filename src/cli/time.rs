@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
-use super::Common;
 use super::check::{Around, On};
+use super::common::Common;
 use super::output::{self, Talk};
 use crate::error::Result;
 use crate::motion::{BlockKind, Duration, Trajectory};

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::candidates::{SetUpCandidate, can_drive};
-use super::information::{self, Basis};
+use super::information::{self, Basis, SET_UP_MM};
 use super::volume::Volume;
 use crate::error::{Error, Kind, Place, Result};
 use crate::identify::{self, Driven, SEEN_UM};
@@ -13,8 +13,6 @@ use crate::plan::{Arc, DesignRequest, Test};
 
 /// Points an axis over the volume that the sizes of the coefficients come from.
 const SIZE_STEPS: usize = 5;
-/// A set-up error is known to this beforehand, mm: nobody sets up a ball worse than by 0.1 mm.
-pub(super) const SET_UP_MM: f64 = 0.1;
 /// Rank is looked at over every so many arcs: more show nothing new ...
 const FEW_ARCS: usize = 7;
 /// ... but over at least so many of a set-up, if it has them.

@@ -2,14 +2,12 @@
 
 use rayon::prelude::*;
 
-use super::search::{Chosen, Problem, Step};
+use super::problem::{Chosen, Problem, Step};
 use crate::plan::Criterion;
 use crate::solve::Matrix;
 
 /// An exchange gains at least this part of the value.
 const WORTH: f64 = 1e-3;
-/// Gains that are looked at, at the most, while arcs are exchanged: some seconds' worth.
-pub(super) const LOOKS: usize = 24_000;
 
 /// Arcs that were chosen so far.
 #[derive(Debug, Clone)]

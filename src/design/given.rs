@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::information::{Basis, SET_UPS};
-use super::search::add_information;
+use super::problem::add_information;
 use crate::align;
 use crate::error::{Error, Place, Result};
 use crate::identify;

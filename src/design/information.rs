@@ -29,6 +29,8 @@ const ROUNDING: f64 = 1e-12;
 const TOLERANCE: f64 = 1e-10;
 /// Set-up errors of a mounting.
 pub(super) const SET_UPS: usize = 3;
+/// A set-up error is known to this beforehand, mm: nobody sets up a ball worse than by 0.1 mm.
+pub(super) const SET_UP_MM: f64 = 0.1;
 
 /// The coefficients that are estimated, and the size of each that is trusted beforehand.
 #[derive(Debug, Clone)]

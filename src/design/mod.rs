@@ -8,7 +8,9 @@ mod information;
 mod ordering;
 mod outlook;
 mod planned;
+mod problem;
 mod proposal;
+mod proposed;
 mod relaxed;
 mod search;
 mod set_up_choice;
@@ -21,5 +23,6 @@ pub use candidates::{SetUpCandidate, can_drive, candidate_arcs, set_up_candidate
 pub use given::Measured;
 pub use outlook::{MountingOutlook, Outlook, TimeByKind, Unseen};
 pub use planned::PlannedProgram;
-pub use proposal::{Designer, NextArc, Proposal, ProposedSetUp};
+pub use proposal::{Designer, NextArc, Proposal};
+pub use proposed::ProposedSetUp;
 pub use volume::{PointSigma, Volume, VolumeSigma, of_coefficients};

@@ -4,8 +4,8 @@ use nalgebra::{Unit, UnitVector3, Vector3};
 
 use super::candidates::SetUpCandidate;
 use super::information::ArcInformation;
-use super::proposal::ProposedSetUp;
-use super::search::Chosen;
+use super::problem::Chosen;
+use super::proposed::ProposedSetUp;
 use crate::plan::Arc;
 
 /// The chosen set-ups and arcs in order.

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::choosable::SET_UP_MM;
+use super::information::SET_UP_MM;
 use super::planned::PlannedProgram;
 use super::volume::{Volume, VolumeSigma, of_coefficients};
 use crate::error::{Error, Result};

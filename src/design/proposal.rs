@@ -8,7 +8,8 @@ use super::given::Measured;
 use super::information::{ArcInformation, Basis};
 use super::ordering;
 use super::planned::PlannedProgram;
-use super::search::{Chosen, Objective, Problem};
+use super::problem::{Chosen, Objective, Problem};
+use super::proposed::ProposedSetUp;
 use super::volume::Volume;
 use super::written;
 use crate::error::{Error, Kind, Place, Result};
@@ -33,15 +34,6 @@ const CORRECTED_LOOKS: usize = 8_000;
 const LITTLE_S: f64 = 20.0;
 /// So many of the best next arcs are told.
 const NEXT: usize = 5;
-
-/// One set-up of a proposal with its arcs in the order in which they are driven.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ProposedSetUp {
-    /// The set-up.
-    pub set_up: SetUpCandidate,
-    /// Its arcs.
-    pub arcs: Vec<Arc>,
-}
 
 /// An arc that would tell most next.
 #[derive(Debug, Clone, PartialEq)]

@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use super::information::SET_UPS;
-use super::search::{POWER, Problem, add_information, power_mean, trace_of_product, variance};
+use super::problem::{POWER, Problem, add_information, power_mean, trace_of_product, variance};
 use crate::plan::Criterion;
 use crate::solve::{Cholesky, Matrix};
 

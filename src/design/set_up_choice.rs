@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::information::SET_UPS;
-use super::search::{Problem, add_information};
+use super::problem::{Problem, add_information};
 use crate::solve::{Cholesky, Matrix};
 
 /// So many choices of set-ups are looked at one by one; of more, the best is built up step by step.

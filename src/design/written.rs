@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use nalgebra::Vector3;
 use toml::{Table, Value};
 
-use super::proposal::ProposedSetUp;
+use super::proposed::ProposedSetUp;
 use crate::error::{Error, Kind, Result};
 use crate::plan::{Arc, Test};
 

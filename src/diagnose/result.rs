@@ -1,27 +1,21 @@
 //! What a diagnosis says.
 
-use super::arcs::ArcShare;
-use super::choose::Rival;
-use super::element::{Element, Owner};
-use super::floor::Structure;
-use super::picture::Picture;
-use super::settings::WrongSetting;
-use super::times::OffTime;
-use super::view::View;
-use crate::error::Error;
+use serde::Serialize;
+
+use crate::diagnose::account::arcs::ArcShare;
+use crate::diagnose::account::gain::{ProgramGain, RunGain};
+use crate::diagnose::account::left_out::LeftOut;
+use crate::diagnose::account::moved::Moved;
+use crate::diagnose::account::numbers::Number;
+use crate::diagnose::account::times::OffTime;
+use crate::diagnose::choose::found::Rival;
+use crate::diagnose::choose::settings::WrongSetting;
+use crate::diagnose::views::picture::Picture;
+use crate::diagnose::views::view::View;
 use crate::identify::Campaign;
 use crate::model::Effect;
-
-/// A number of a finding, as it is written.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Number {
-    /// Its name with its unit, such as `amplitude_um`.
-    pub name: String,
-    /// Its value in that unit.
-    pub value: f64,
-    /// Its standard deviation in that unit; `None` where it is not estimated.
-    pub sigma: Option<f64>,
-}
+use crate::residual::{Element, Owner, Structure};
+use crate::written::um;
 
 /// One effect that the model lacks.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,96 +46,33 @@ impl Finding {
     }
 }
 
-/// Root mean squares of one run that took no part in the fit of the effects.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RunGain {
-    /// Name of the run.
-    pub run: String,
-    /// Samples.
-    pub samples: usize,
-    /// Without the effects, mm.
-    pub before_mm: f64,
-    /// With the effects as the other repeats have them, mm.
-    pub after_mm: f64,
-    /// What does not repeat from run to run, mm; what all effects together leave where nothing repeats.
-    pub floor_mm: f64,
-    /// `(before² - after²) / (before² - floor²)`; `None` where nothing was there to explain.
-    pub explained: Option<f64>,
-}
-
-/// The effects as runs of the other programs have them.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ProgramGain {
-    /// Runs that took no part: all of one program.
-    pub runs: Vec<String>,
-    /// The largest feed in their arcs, mm/min.
-    pub feed_mm_min: f64,
-    /// Without the effects, mm.
-    pub before_mm: f64,
-    /// With the effects as the runs of all other programs have them, mm.
-    pub after_mm: f64,
-}
-
-/// A coefficient that was biased by what the model lacked.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Moved {
-    /// Its name.
-    pub name: String,
-    /// Its unit.
-    pub unit: &'static str,
-    /// Mean over the repeats without the effects.
-    pub before: f64,
-    /// And with them.
-    pub after: f64,
-    /// Standard deviation in one repeat without the effects.
-    pub sigma_before: f64,
-    /// And with them: what the amplitudes do not know counts.
-    pub sigma_after: f64,
-}
-
 /// Root mean squares over all runs.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Verdict {
     /// Residual of the model, mm.
+    #[serde(rename = "before_um", serialize_with = "um")]
     pub before_mm: f64,
     /// Residual of the extended model, mm.
+    #[serde(rename = "after_um", serialize_with = "um")]
     pub after_mm: f64,
     /// What repeats of the one; `None` where no program ran twice.
     pub structure_before: Option<Structure>,
     /// And of the other.
     pub structure_after: Option<Structure>,
     /// What differs between neighbouring readings by chance, as noise of one reading, mm.
+    #[serde(rename = "neighbours_um", serialize_with = "um")]
     pub neighbours_mm: f64,
     /// How many independent readings tell as much as all do.
     pub effective_samples: f64,
+    /// Samples that were looked at.
+    pub samples: usize,
     /// Mean of [`RunGain::explained`] over what was there to explain.
     pub explained: Option<f64>,
     /// Its 95 % interval.
     pub explained_interval: Option<[f64; 2]>,
     /// Effects smaller than this would not have been named, mm rms.
+    #[serde(rename = "smallest_um", serialize_with = "um")]
     pub smallest_mm: f64,
-}
-
-/// Runs that took no part.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct LeftOut {
-    /// Name of the run, or names of the runs of one repeat.
-    pub runs: String,
-    /// Why, in a sentence without a full stop.
-    pub reason: String,
-    /// What to do about it.
-    pub hint: Option<String>,
-}
-
-impl LeftOut {
-    /// Of what the error says the sentence, without the picture below it.
-    pub(super) fn of(runs: &str, error: &Error) -> Self {
-        Self {
-            runs: runs.to_owned(),
-            reason: error.what.lines().next().unwrap_or_default().to_owned(),
-            hint: error.hint.clone(),
-        }
-    }
 }
 
 /// What the model gets wrong.
@@ -171,9 +102,8 @@ pub struct Diagnosis {
     pub off_times: Vec<OffTime>,
     /// Runs that took no part, with the reason.
     pub left_out: Vec<LeftOut>,
-    /// Samples that were looked at.
-    pub samples: usize,
-    /// The campaign identified anew with the effects; `None` where there are none.
+    /// The campaign identified anew, with the effects and with what is stated wrong put right; `None` where there is
+    /// neither.
     pub extended: Option<Campaign>,
 }
 

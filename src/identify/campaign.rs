@@ -1,39 +1,19 @@
 //! All runs of a test: read, aligned, grouped by repeat and identified.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::{Identification, Options, RunInput, explicit_terms, identify};
-use crate::align;
+use super::complete::explicit_terms;
+use super::fit::identify;
+use super::input::{Options, RunInput};
+use super::measured::MeasuredRun;
+use super::result::Identification;
 use crate::error::{Error, Result};
-use crate::log;
 use crate::machine::{Machine, Mounting};
 use crate::model::{self, Form, Held, Model};
-use crate::nc;
 use crate::plan::{Run, Test};
-
-/// Reads and aligns one run of a test.
-pub fn align_run(test: &Test, machine: &Machine, run: &Run) -> Result<RunInput> {
-    let log = log::read(&run.log, &test.log_format_of(run.mounting))?;
-    let mut reading = nc::Reading::of(machine);
-    for mounting in test.mountings() {
-        reading.work_offsets_mm.insert(mounting.work_offset, mounting.mounting.coincidence_mm);
-    }
-    // Two mountings may use the same offset, one after the other: the run's own counts.
-    let mounting = &test.mountings()[run.mounting];
-    reading.work_offsets_mm.insert(mounting.work_offset, mounting.mounting.coincidence_mm);
-    let program = nc::read_file(&run.program, &reading)?;
-    let bar = test.bar_of(run.mounting);
-    let alignment =
-        align::align(&log, &program, machine, &mounting.mounting, &bar, run.feed_override)?;
-    Ok(RunInput {
-        name: run.name.clone(),
-        mounting: run.mounting,
-        nominal_mm: bar.length_mm,
-        alignment,
-    })
-}
 
 /// All repeats of a test, identified.
 #[derive(Debug)]
@@ -46,6 +26,25 @@ pub struct Campaign {
     pub held: Vec<Vec<Held>>,
     /// Runs that take no part, with the reason.
     pub left_out: Vec<(String, Error)>,
+    /// What was measured, also what was left out; campaigns of the same measurements share it.
+    measured: Arc<Vec<MeasuredRepeat>>,
+}
+
+/// The runs of one repeat, as they were measured.
+#[derive(Debug)]
+struct MeasuredRepeat {
+    /// Names of the runs.
+    names: String,
+    /// The runs, or why the files of one cannot be read.
+    runs: Vec<Result<MeasuredRun>>,
+}
+
+impl MeasuredRepeat {
+    fn aligned(&self, test: &Test, machine: &Machine) -> Result<Vec<RunInput>> {
+        let aligned =
+            |run: &Result<MeasuredRun>| run.as_ref().map_err(Clone::clone)?.aligned(test, machine);
+        self.runs.iter().map(aligned).collect()
+    }
 }
 
 /// What becomes of a repeat that cannot be aligned or identified.
@@ -74,27 +73,78 @@ impl Campaign {
             repeats.entry(run.repeat).or_default().push(run);
         }
         let repeats: Vec<Vec<&Run>> = repeats.into_values().collect();
-        let aligned: Vec<Result<Vec<RunInput>>> = repeats
-            .par_iter()
-            .map(|runs| runs.iter().map(|run| align_run(test, machine, run)).collect())
-            .collect();
+        let read = |runs: &Vec<&Run>| MeasuredRepeat {
+            names: runs.iter().map(|run| run.name.as_str()).collect::<Vec<_>>().join(", "),
+            runs: runs.iter().map(|run| MeasuredRun::read(test, run)).collect(),
+        };
+        let measured: Vec<MeasuredRepeat> = repeats.par_iter().map(read).collect();
+        Self::of_repeats(test, machine, Arc::new(measured), failure, finished)
+    }
+
+    /// Aligns and identifies repeats that were measured, the runs of each together.
+    ///
+    /// # Errors
+    /// As for [`of`](Self::of).
+    pub fn of_measured(
+        test: &Test,
+        machine: &Machine,
+        repeats: Vec<Vec<MeasuredRun>>,
+        failure: Failure,
+    ) -> Result<Self> {
+        let measured = repeats.into_iter().map(|runs| MeasuredRepeat {
+            names: runs.iter().map(|run| run.name.as_str()).collect::<Vec<_>>().join(", "),
+            runs: runs.into_iter().map(Ok).collect(),
+        });
+        Self::of_repeats(test, machine, Arc::new(measured.collect()), failure, &|| ())
+    }
+
+    /// The same measurements laid over their programs again, as another test and another machine have
+    /// them, and identified; what cannot be is left out.
+    ///
+    /// # Errors
+    /// When nothing is left.
+    pub fn realigned(&self, test: &Test, machine: &Machine) -> Result<Self> {
+        Self::of_repeats(test, machine, Arc::clone(&self.measured), Failure::LeaveOut, &|| ())
+    }
+
+    /// The same alignments identified again, as another test and another machine have them.
+    ///
+    /// # Errors
+    /// When a repeat cannot be identified so.
+    pub fn reidentified(&self, test: &Test, machine: &Machine) -> Result<Self> {
+        let aligned = self.repeats.iter().map(|repeat| repeat.runs.clone()).collect();
+        let (measured, left_out) = (Arc::clone(&self.measured), self.left_out.clone());
+        Self::of_aligned(test, machine, measured, aligned, left_out, Failure::Refuse, &|| ())
+    }
+
+    fn of_repeats(
+        test: &Test,
+        machine: &Machine,
+        measured: Arc<Vec<MeasuredRepeat>>,
+        failure: Failure,
+        finished: &(dyn Fn() + Sync),
+    ) -> Result<Self> {
+        let aligned: Vec<Result<Vec<RunInput>>> =
+            measured.par_iter().map(|repeat| repeat.aligned(test, machine)).collect();
         let mut left_out = Vec::new();
         let mut usable = Vec::new();
-        for (runs, aligned) in repeats.iter().zip(aligned) {
-            let names = || runs.iter().map(|run| run.name.as_str()).collect::<Vec<_>>().join(", ");
+        for (repeat, aligned) in measured.iter().zip(aligned) {
             match aligned {
                 Ok(aligned) => usable.push(aligned),
-                Err(error) if failure == Failure::LeaveOut => left_out.push((names(), error)),
+                Err(error) if failure == Failure::LeaveOut => {
+                    left_out.push((repeat.names.clone(), error));
+                }
                 Err(error) => return Err(error),
             }
         }
-        Self::of_aligned(test, machine, usable, left_out, failure, finished)
+        Self::of_aligned(test, machine, measured, usable, left_out, failure, finished)
     }
 
     /// Identifies repeats whose logs are aligned; `left_out` are those that could not be.
-    pub fn of_aligned(
+    fn of_aligned(
         test: &Test,
         machine: &Machine,
+        measured: Arc<Vec<MeasuredRepeat>>,
         mut aligned: Vec<Vec<RunInput>>,
         mut left_out: Vec<(String, Error)>,
         failure: Failure,
@@ -108,7 +158,8 @@ impl Campaign {
             let runs = std::mem::take(first);
             (terms, *first) = explicit_terms(&terms, machine, &mountings, runs, &options)?;
         }
-        let empty = Self { terms, repeats: Vec::new(), held: Vec::new(), left_out: Vec::new() };
+        let empty =
+            Self { terms, repeats: Vec::new(), held: Vec::new(), left_out: Vec::new(), measured };
         let results: Vec<(String, Result<Identification>)> = aligned
             .into_par_iter()
             .map(|inputs| {
@@ -132,12 +183,7 @@ impl Campaign {
         match left_out.first() {
             // Nothing is left: the first reason is as good as any.
             Some((_, error)) if repeats.is_empty() => Err(error.clone()),
-            _ => Ok(Self {
-                terms: empty.terms,
-                held: vec![Vec::new(); repeats.len()],
-                repeats,
-                left_out,
-            }),
+            _ => Ok(Self { held: vec![Vec::new(); repeats.len()], repeats, left_out, ..empty }),
         }
     }
 
@@ -183,6 +229,7 @@ impl Campaign {
             repeats: Vec::new(),
             held,
             left_out: self.left_out.clone(),
+            measured: Arc::clone(&self.measured),
         };
         let repeats = self
             .repeats

@@ -1,9 +1,9 @@
 //! What speaks against a fit that came out all the same.
 
-use super::fit::RunInput;
+use super::input::RunInput;
 use super::residuals::Record;
 use crate::align::Alignment;
-use crate::plan::Loss;
+use crate::solve::Loss;
 use crate::solve::{self, NoiseModel};
 
 /// A step of time that shows beyond the resolution of the chords, s.

@@ -1,6 +1,6 @@
 //! Where the parameters of the time maps stand among the columns of the fit.
 
-use super::fit::RunInput;
+use super::input::RunInput;
 use crate::align::TimeMap;
 use crate::solve::Matrix;
 

@@ -1,8 +1,8 @@
 //! The set `complete`: which terms a test can tell apart through its noise.
 
-use super::fit::{Options, RunInput};
+use super::input::{Options, RunInput};
 use super::prediction::rehearsed_fit;
-use super::preference;
+use super::preference::preference;
 use crate::error::Result;
 use crate::machine::{Machine, Mounting};
 use crate::model::{self, COMPLETE, Coefficient, Model, SetUp};

@@ -1,13 +1,14 @@
 //! The joint fit of coefficients and time maps.
 
 use super::columns::Columns;
+use super::input::{Options, RunInput};
 use super::residuals::{self, Record};
 use super::result::Identification;
 use super::{timing, words};
-use crate::align::{Alignment, Place, TimeMap};
+use crate::align::{Place, TimeMap};
 use crate::error::{Error, Kind, Result};
 use crate::model::Model;
-use crate::plan::{Loss, Test};
+use crate::solve::Loss;
 use crate::solve::{self, Matrix, Solution, Spectrum, Triangle, Truncation, Tsqr};
 
 /// A direction is observed when a combination of errors of this size each (rms over the measured
@@ -29,44 +30,6 @@ const MOST_PLACES: usize = 4;
 const BETTER: f64 = 0.999;
 /// During the first steps the samples that take part are chosen anew.
 const CHOOSING_STEPS: usize = 3;
-
-/// How to identify.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Options {
-    /// Stated standard deviation of a reading, mm.
-    pub noise_mm: f64,
-    /// How far the instrument's clock may be off, as a share of 1.
-    pub clock_tolerance: f64,
-    /// Weights of far-off samples.
-    pub loss: Loss,
-    /// Of all solutions of a rank-deficient problem take the shortest, instead of refusing.
-    pub minimum_norm: bool,
-}
-
-impl Options {
-    /// What a test file says.
-    pub fn of(test: &Test) -> Self {
-        Self {
-            noise_mm: test.ball_bar().noise_mm,
-            clock_tolerance: test.ball_bar().clock_tolerance,
-            loss: test.estimation().loss,
-            minimum_norm: test.estimation().minimum_norm,
-        }
-    }
-}
-
-/// One run that takes part.
-#[derive(Debug, Clone)]
-pub struct RunInput {
-    /// Its name.
-    pub name: String,
-    /// Index of its mounting in the model.
-    pub mounting: usize,
-    /// Nominal length of the bar that was used, mm.
-    pub nominal_mm: f64,
-    /// The aligned log.
-    pub alignment: Alignment,
-}
 
 /// Identifies the parameters of a model from runs of one machine in one state.
 ///
@@ -106,7 +69,6 @@ pub fn identify(model: &Model, runs: Vec<RunInput>, options: &Options) -> Result
 /// The end of one round of Gauss-Newton.
 pub(super) struct Outcome {
     pub(super) solution: Solution,
-    pub(super) floor: f64,
     steps: usize,
 }
 
@@ -225,14 +187,14 @@ impl<'a> Fit<'a> {
                 || self.taking_part == residuals::taking_part(&self.runs, detail.guard_s());
             if settled && change / rows.sqrt() < NEGLIGIBLE * scatter.max(1e-12) {
                 self.sigma_mm *= scatter;
-                return Ok(Outcome { solution, floor, steps });
+                return Ok(Outcome { solution, steps });
             }
             // The smooth fit only has to come near, and a fit that still moves by a little of the noise is
             // a result.
             let near = detail == timing::Detail::Smooth || change / rows.sqrt() < NEARLY * scatter;
             if steps == MOST_STEPS && near {
                 self.sigma_mm *= scatter;
-                return Ok(Outcome { solution, floor, steps });
+                return Ok(Outcome { solution, steps });
             }
             if steps <= 2 {
                 self.sigma_mm = (self.sigma_mm * scatter).max(1e-3 * self.options.noise_mm);
@@ -420,11 +382,10 @@ impl<'a> Fit<'a> {
 
     /// Robust weights from the present residuals.
     fn reweigh(&mut self) {
-        let loss = match self.options.loss {
-            Loss::Off => return,
-            Loss::Huber => solve::Loss::Huber,
-            Loss::Tukey => solve::Loss::Tukey,
-        };
+        let loss = self.options.loss;
+        if loss == Loss::Off {
+            return;
+        }
         let records = self.records();
         let mut used: Vec<f64> =
             records.iter().flatten().filter(|r| r.used).map(|r| r.residual_mm).collect();

@@ -8,11 +8,14 @@
 //!
 //! and changes the parameters of the fit by `- F Q^T c` per unit, `F = D^-1 V_r S_r^-1`.
 
-use super::fit::{Fit, Options};
+use super::fit::Fit;
+use super::input::Options;
+use super::residuals::Record;
 use super::result::Identification;
+use crate::align::{Place, Sample};
 use crate::error::Result;
 use crate::model::{Model, Situation};
-use crate::solve::{Matrix, Truncation};
+use crate::solve::{Basis, Matrix, Truncation};
 
 /// A sample that the fit used.
 #[derive(Debug, Clone)]
@@ -21,12 +24,14 @@ pub struct LinearSample {
     pub run: usize,
     /// Index of its sample in the run.
     pub sample: usize,
+    /// Index of the section of the program that it lies on.
+    pub section: usize,
+    /// Program time, s.
+    pub program_s: f64,
     /// Where it was taken.
     pub situation: Situation,
     /// Root of its weight, 0 to 1.
     pub root_weight: f64,
-    /// Change of the predicted length with program time, mm/s.
-    pub speed_mm_s: f64,
     /// Measured minus predicted, mm, not weighed.
     pub residual_mm: f64,
 }
@@ -36,10 +41,8 @@ pub struct LinearSample {
 pub struct Linearised {
     /// The samples, in the order of runs and time.
     pub samples: Vec<LinearSample>,
-    /// `Q` at the samples, row after row, [`rank`](Self::rank) numbers each.
-    pub q: Vec<f64>,
-    /// Columns of `Q`.
-    pub rank: usize,
+    /// `Q` at the samples.
+    pub basis: Basis,
     /// `F`: parameters of the model (mm, rad) per unit of `Q^T c`, `c` in mm.
     pub factor: Matrix,
 }
@@ -54,15 +57,19 @@ impl Identification {
         let mut fit = Fit::new(model, self.runs.clone(), options);
         fit.values = self.values();
         fit.sigma_mm = self.rms_mm.max(1e-9);
+        // By the times as they settled, a sample that the fit used may lie just beyond the end of its arc.
+        let on_arc = |sample: &Sample| matches!(sample.place, Place::Arc(_));
         fit.taking_part = self
-            .records
+            .runs
             .iter()
-            .map(|records| {
+            .zip(&self.records)
+            .map(|(run, records)| {
                 let stride = records.len().div_ceil(most.max(1)).max(1);
-                records.iter().enumerate().map(|(k, r)| r.used && k % stride == 0).collect()
+                let pairs = run.alignment.samples.iter().zip(records).enumerate();
+                pairs.map(|(k, (s, r))| r.used && on_arc(s) && k % stride == 0).collect()
             })
             .collect();
-        let weight = |run: &Vec<super::Record>| run.iter().map(|r| r.weight).collect();
+        let weight = |run: &Vec<Record>| run.iter().map(|r| r.weight).collect();
         fit.weights = Some(self.records.iter().map(weight).collect());
         let triangle = fit.triangle()?;
         let spectrum = fit.spectrum(&triangle)?;
@@ -78,9 +85,9 @@ impl Identification {
         let mut row = vec![0.0; fit.columns.total];
         for (index, run) in fit.runs.iter().enumerate() {
             for (k, sample) in run.alignment.samples.iter().enumerate() {
-                if !fit.taking_part[index][k] {
+                let (true, Place::Arc(section)) = (fit.taking_part[index][k], sample.place) else {
                     continue;
-                }
+                };
                 let record = &self.records[index][k];
                 let speed_mm_s = fit.speed_mm_s(run, sample);
                 fit.fill_row(&mut row, index, sample, speed_mm_s);
@@ -99,9 +106,10 @@ impl Identification {
                 samples.push(LinearSample {
                     run: index,
                     sample: k,
+                    section,
+                    program_s: sample.program_s,
                     situation: model.situation(&sample.pose, &sample.motion, run.mounting),
                     root_weight,
-                    speed_mm_s,
                     residual_mm: record.residual_mm,
                 });
             }
@@ -109,6 +117,6 @@ impl Identification {
         let sigma_mm = fit.sigma_mm;
         let factor =
             Matrix::from_fn(fit.columns.coefficients, rank, |k, i| factor[(k, i)] / sigma_mm);
-        Ok(Linearised { samples, q, rank, factor })
+        Ok(Linearised { samples, basis: Basis::new(rank, q), factor })
     }
 }

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::sentence;
+use super::words::sentence;
 use crate::error::{Error, Result};
 use crate::machine::{Axis, Machine, Mounting, Pose};
 use crate::model::{Coefficient, Model, Motion, Parameter, SetUp, Situation, terms};
@@ -258,7 +258,8 @@ impl Sight {
         order
     }
 
-    pub(super) fn choose(&self, order: &[usize]) -> Result<Choice> {
+    /// Which columns to keep, considered in this order, at [`TOLERANCE`].
+    pub fn choose(&self, order: &[usize]) -> Result<Choice> {
         self.triangle.choose(order, &self.references, Truncation::Relative(TOLERANCE))
     }
 

@@ -13,7 +13,8 @@
 //! one reading to the next included); the fit states the same after a measurement, with the noise that
 //! it has found.
 
-use super::fit::{Fit, Options, RunInput};
+use super::fit::Fit;
+use super::input::{Options, RunInput};
 use crate::align::{self, Place};
 use crate::error::{Error, Kind, Result};
 use crate::log;
@@ -46,7 +47,8 @@ pub fn rehearse(
     let scenario = Scenario { pauses, ..Scenario::perfect() };
     let run = simulate::run(machine, mounting, program, bar, &scenario)?;
     let log = log::read_bytes(run.csv().as_bytes(), &program.file, &log::Format::default())?;
-    let mut alignment = align::align(&log, program, machine, mounting, bar, 1.0)?;
+    let rig = align::Rig { machine, mounting, bar };
+    let mut alignment = align::align(&align::Run { log: &log, program, rig, feed_override: 1.0 })?;
     // A perfect machine hides where its pauses were; the fit of a real one finds them.
     let map = &mut alignment.time_map;
     for leg in 0..=stops {

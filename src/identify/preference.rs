@@ -4,9 +4,28 @@
 //! for everything that it does not decide, geometric sense does: squareness before the slope of a
 //! straightness, displacement before rotation, low degree before high, hysteresis after the linear part.
 
-use super::stages::{Pruning, Stage, removed_by, stages};
 use crate::error::{Error, Result};
 use crate::model::{Ball, Coefficient, Power, SetUp};
+
+/// What the paper gives up for its meridians and before that for the volume, the last given up first: the
+/// order in which one would take terms back.
+const GIVEN_UP: [&str; 13] = [
+    "EZZ2",
+    "EYY2",
+    "EYX3",
+    "EXX2",
+    "EAZ1 EAZ2 EAZ3 EAZb",
+    "EAX1 EAX2 EAX3 EAXb EBX1 EBX2 ECX1 ECX2",
+    "EYX1 EZX1 EYZ1",
+    "EZY1",
+    "EXY1",
+    "EBZ1 EBZ2 EBZ3 EBZb",
+    "EAY1 EAY2 EAY3 EAYb EBY1 EBY2 EBY3 EBYb ECY1 ECY2 ECY3 ECYb",
+    "EXX0 EYX0 EZX0 EAX0 EBX0 ECX0 EXY0 EYY0 EZY0 EAY0 EBY0 ECY0 EXZ0 EYZ0 EZZ0 EBZ0",
+    "EXw EYw EZw",
+];
+/// What it gives up for the three planes.
+const FOR_PLANES: &str = "ECZ1 ECZ2 ECZ3 ECZb EZY3 EZX3 ECX3 ECXb";
 
 /// The names of all 90 coefficients and the six set-up errors, the most wanted first.
 ///
@@ -30,23 +49,19 @@ pub fn preference(first: &[String]) -> Result<Vec<String>> {
     names.sort_by_key(|name| {
         let by_user = first.iter().position(|f| f == name).unwrap_or(first.len());
         // What the paper gives up for the three planes decides only between equals.
-        let planes = removed_by(&[Pruning::Planes]).contains(&name.as_str());
-        (by_user, stages_to_removal(name), by_geometry(name), planes)
+        let planes = FOR_PLANES.split_whitespace().any(|given_up| given_up == name);
+        (by_user, place_of_return(name), by_geometry(name), planes)
     });
     Ok(names)
 }
 
-/// 0 for what the paper keeps, more the earlier it removes a term.
+/// 0 for what the paper keeps, more the earlier it gives up a term.
 ///
 /// Its list for the three planes does not count here: it gives up straightness for the sake of rotations that
 /// the meridians then show to be the same thing.
-fn stages_to_removal(name: &str) -> usize {
-    // From the last list to the first and in each from its end: the order in which one would add.
-    let lists = [Pruning::Meridians, Pruning::Volume];
-    let backward = lists.iter().flat_map(|&list| stages(list).iter().rev());
-    let mut stages = backward.enumerate();
-    let of_name = |stage: &Stage| stage.removed().any(|removed| removed == name);
-    stages.find(|(_, stage)| of_name(stage)).map_or(0, |(index, _)| index + 1)
+fn place_of_return(name: &str) -> usize {
+    let returns = |group: &&str| group.split_whitespace().any(|given_up| given_up == name);
+    GIVEN_UP.iter().position(returns).map_or(0, |place| place + 1)
 }
 
 /// What is easier to give a meaning comes first.

@@ -1,6 +1,6 @@
 //! Repeats: mean and standard deviation over tests that were identified separately (paper, Eq. 8).
 
-use super::Estimate;
+use super::result::Estimate;
 use crate::model::Parameter;
 
 /// A parameter over the repeats.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::fit::RunInput;
+use super::input::RunInput;
 use crate::align::{Alignment, Place, Sample};
 use crate::machine::Pose;
 use crate::model::Model;

@@ -1,7 +1,7 @@
 //! What an identification says.
 
-use super::Record;
-use super::fit::RunInput;
+use super::input::RunInput;
+use super::residuals::Record;
 use crate::model::Parameter;
 use crate::solve::{Matrix, NoiseModel, NullDirection};
 
@@ -27,10 +27,6 @@ pub struct Identification {
     pub correlation: Matrix,
     /// Rank over the coefficients, by the noise.
     pub rank: usize,
-    /// Singular values of the scaled columns, descending, without those of the time map.
-    pub singular_values: Vec<f64>,
-    /// Singular values below this are not observed.
-    pub floor: f64,
     /// Condition number of the scaled columns over the observed directions.
     pub condition: f64,
     /// What is confounded, by index of parameter.

@@ -1,13 +1,13 @@
 //! How a sample's time enters the fit.
 
-use super::fit::RunInput;
+use super::input::RunInput;
 use crate::align::{MarkKind, Place, Sample};
 use crate::machine::Pose;
 use crate::model::Model;
 
-/// Slides follow the program late by some milliseconds, which looks like another time of the log; when a
-/// slide really turns round is not known better than this, s.
-pub(super) const FOLLOWING_S: f64 = 0.01;
+/// So near to a reversal the sense of a slide is not known, s: each slide follows the program late by some
+/// milliseconds, and the offset of a leg takes on what they have in common only.
+const TURNING_S: f64 = 0.01;
 /// Offsets that are known to this, s, are inside the catch of the facets: a chord of a usual program
 /// takes some 80 ms, and rounding gives every one its own height.
 pub(super) const FACET_S: f64 = 0.02;
@@ -32,7 +32,7 @@ impl Detail {
     /// stated sigma must not let in a sample with the wrong sense.
     pub(super) fn guard_s(self) -> f64 {
         match self {
-            Self::Full => FOLLOWING_S,
+            Self::Full => TURNING_S,
             Self::Smooth => 1.0,
         }
     }

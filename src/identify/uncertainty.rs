@@ -1,8 +1,9 @@
 //! From a settled fit to its noise, its covariance and everything that is told.
 
 use super::fit::{Fit, Outcome};
+use super::residuals::Record;
 use super::result::{Estimate, Identification};
-use super::{Record, cautions, residuals};
+use super::{cautions, residuals};
 use crate::error::Result;
 use crate::solve::{self, Autocovariances, BackwardFilter, Matrix, NoiseModel, Triangle, Tsqr};
 
@@ -62,8 +63,6 @@ impl Fit<'_> {
             estimates,
             correlation: Matrix::from_fn(count, count, |i, k| correlation[(i, k)]),
             rank: count - lost,
-            singular_values: spectrum.singular_values().to_vec(),
-            floor: outcome.floor,
             condition: spectrum.condition_of(outcome.solution.rank()),
             null_directions: spectrum.null_directions(outcome.solution.rank(), 0.02),
             noise,

@@ -3,10 +3,13 @@
 use std::ops::Range;
 use std::path::Path;
 
+use super::reading::{Log, Reading};
 use super::text::{Line, Numbers, quote, split};
-use super::{Delimiter, Format, Log, Reading, ReadingColumn, ReadingKind, TimeColumn, TimeUnit};
 use crate::error::{Error, Place, Result};
 use crate::input;
+use crate::plan::log_format::{
+    Delimiter, Format, ReadingColumn, ReadingKind, TimeColumn, TimeUnit,
+};
 
 /// No telescoping ball-bar reaches further than a few mm; beyond this the unit is wrong.
 const LARGEST_DEVIATION_MM: f64 = 10.0;

@@ -3,8 +3,8 @@
 use std::ops::Range;
 use std::path::Path;
 
-use super::Delimiter;
 use crate::error::{Error, Place};
+use crate::plan::log_format::Delimiter;
 
 /// A line of a log.
 #[derive(Debug, Clone, Copy)]

@@ -2,7 +2,9 @@
 
 use nalgebra::{Rotation3, Vector3};
 
-use super::{Axis, Machine, Pivot, Side};
+use super::axis::Axis;
+use super::file::{Machine, Pivot};
+use super::topology::Side;
 
 /// Where every slide stands and from which sense it came.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,8 +7,10 @@ use nalgebra::Vector3;
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::axis::Axis;
+use super::clearance::Clearance;
 use super::clearance::RawClearance;
-use super::{Axis, Clearance, Topology};
+use super::topology::Topology;
 use crate::error::{Error, Place, Result};
 use crate::toml_text::{self, Text};
 

@@ -2,7 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::{Axis, Machine, Mounting};
+use super::axis::Axis;
+use super::chain::Mounting;
+use super::file::Machine;
 use crate::error::{Error, Result};
 
 impl Machine {

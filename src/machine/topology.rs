@@ -1,6 +1,6 @@
 //! The topology string: which slide carries what.
 
-use super::Axis;
+use super::axis::Axis;
 use crate::error::{Error, Result};
 
 /// Which side of the machine frame a slide is on.

@@ -2,9 +2,7 @@
 //!
 //! A cause is known by its name, acts on a [`SeatKind`], and has numbers with units. The table is the
 //! one vocabulary of `simulate --hide`, of `model.toml`, of diagnosis and of the trial; what a cause does
-//! to the machine the simulator works out by itself, and what it does to the readings diagnosis does.
-
-use super::CAUSES;
+//! to the machine the simulator works out by itself, and what it does to the readings stands in [`Shape`](super::Shape).
 
 /// What a cause acts on: the key `on` of an [`Effect`](super::Effect).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -104,17 +102,10 @@ impl PartialEq<str> for Cause {
     }
 }
 
-impl Kind {
-    /// The cause of this kind.
-    pub fn cause(self) -> &'static Cause {
-        // The table is in the order of the kinds.
-        &CAUSES[self as usize]
-    }
-}
-
 impl Cause {
-    /// The cause of a name.
-    pub fn named(id: &str) -> Option<&'static Self> {
-        CAUSES.iter().find(|cause| cause.id == id)
+    /// The whole numbers that a key of this name may be; none where there is no such key.
+    pub fn whole_numbers(&self, key: &str) -> impl Iterator<Item = f64> + use<> {
+        let limits = self.keys.iter().find(|known| known.name == key).map(|known| known.limits);
+        limits.into_iter().flat_map(|[low, high]| (low as i32..=high as i32).map(f64::from))
     }
 }

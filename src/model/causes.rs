@@ -281,6 +281,21 @@ pub const CAUSES: &[Cause] = &[
     },
 ];
 
+impl Kind {
+    /// The cause of this kind.
+    pub fn cause(self) -> &'static Cause {
+        // The table is in the order of the kinds.
+        &CAUSES[self as usize]
+    }
+}
+
+impl Cause {
+    /// The cause of a name.
+    pub fn named(id: &str) -> Option<&'static Self> {
+        CAUSES.iter().find(|cause| cause.id == id)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use super::CAUSES;
 use super::cause::{AMPLITUDE, Cause, Key, SeatKind};
-use super::{Ball, Coefficient, Component, Power, SetUp};
+use super::causes::CAUSES;
+use super::coefficient::{Ball, Coefficient, Component, Power, SetUp};
 use crate::error::{Error, Result};
 use crate::machine::Axis;
 

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::{Coefficient, Power};
+use super::coefficient::{Coefficient, Power};
 use crate::machine::{Axis, Pose, SlideError};
 
 /// The 90 coefficients as numbers, mm and rad.

@@ -2,7 +2,11 @@
 
 use nalgebra::Vector3;
 
-use super::{Empirical, Motion, Parameter, Shape, Situation, Term};
+use super::jacobian::Situation;
+use super::motion::Motion;
+use super::shape::Shape;
+use super::term::{Parameter, Term};
+use super::variable::Empirical;
 use crate::machine::{ChainErrors, Pose};
 
 /// What an effect does to the length: by a cause or as a curve.

@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
-use super::Motion;
 use super::functions::basis;
+use super::motion::Motion;
 use crate::machine::{Axis, Machine, Mounting, Pose};
 
 /// Derivative of the length with respect to the six errors of one slide.

@@ -39,4 +39,4 @@ pub use motion::{Corner, Motion, Reversal};
 pub use sets::{COMPLETE, NAMED_SETS, coefficients, terms};
 pub use shape::Shape;
 pub use term::{Model, Parameter, Term};
-pub use variable::{Empirical, Variable, place};
+pub use variable::{Dependence, Empirical, Variable, place};

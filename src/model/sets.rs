@@ -1,7 +1,9 @@
 //! Named sets of terms.
 
+use super::coefficient::{Ball, Coefficient, SetUp};
+use super::shape::Shape;
 use super::term::SetUpTerm;
-use super::{Ball, Coefficient, SetUp, Shape, Term};
+use super::term::Term;
 use crate::error::{Error, Result};
 
 /// The set that is chosen by what a test can see; as a list of names it stands for all.

@@ -10,8 +10,12 @@ use std::fmt::Write as _;
 use nalgebra::Vector3;
 
 use super::cause::{Cause, Kind};
+use super::coefficient::Ball;
+use super::effect::{Effect, Seat};
 use super::harmonics::harmonics;
-use super::{Ball, Corner, Effect, Motion, Parameter, Seat, Situation, Term};
+use super::jacobian::Situation;
+use super::motion::{Corner, Motion};
+use super::term::{Parameter, Term};
 use crate::error::{Error, Result};
 use crate::machine::{ChainErrors, Pose};
 

@@ -4,7 +4,9 @@ use std::fmt::Debug;
 
 use nalgebra::Vector3;
 
-use super::{Ball, Coefficient, Motion, SetUp, Situation};
+use super::coefficient::{Ball, Coefficient, SetUp};
+use super::jacobian::Situation;
+use super::motion::Motion;
 use crate::machine::{Axis, ChainErrors, Machine, Mounting, Pose};
 
 /// A number that a term estimates.

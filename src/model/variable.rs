@@ -2,7 +2,10 @@
 
 use std::fmt;
 
-use super::{Motion, Parameter, Seat, Situation, Term};
+use super::effect::Seat;
+use super::jacobian::Situation;
+use super::motion::Motion;
+use super::term::{Parameter, Term};
 use crate::machine::{Axis, ChainErrors, Pose};
 use nalgebra::Vector3;
 
@@ -84,6 +87,36 @@ impl fmt::Display for Variable {
     }
 }
 
+/// What an effect displaces and what it hangs on: `s(sample) · f(v)`, `s` the sensitivity of the length to the
+/// seat, turned with the sense of the variable's slide where the effect is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Dependence {
+    /// What it displaces.
+    pub seat: Seat,
+    /// What it hangs on.
+    pub variable: Variable,
+    /// Whether it changes its sign with the sense of the variable's slide.
+    pub with_sense: bool,
+}
+
+impl Dependence {
+    /// The variable's value and by which sign the effect counts; `None` where a slide has never reversed.
+    pub fn value(&self, pose: &Pose, motion: &Motion) -> Option<(f64, f64)> {
+        let value = self.variable.value(pose, motion)?;
+        let sense = match self.variable.slide() {
+            Some(axis) if self.with_sense => pose.sense[axis.index()],
+            _ => 1.0,
+        };
+        Some((value, sense))
+    }
+
+    /// The variable's value and what one of the effect there does to the length, mm per mm or rad.
+    pub fn at(&self, at: &Situation) -> Option<(f64, f64)> {
+        let (value, sense) = self.value(&at.pose, &at.motion)?;
+        Some((value, self.seat.sensitivity(at) * sense))
+    }
+}
+
 /// An effect that is described and not explained: a curve over a variable, straight between its knots.
 ///
 /// It is labelled empirical wherever it is shown. Beyond the outer knots the curve goes on level.
@@ -102,13 +135,14 @@ pub struct Empirical {
 impl Empirical {
     /// The two knots around a place and the share of the second one.
     pub fn between(&self, pose: &Pose, motion: &Motion) -> Option<(usize, f64, f64)> {
-        let value = self.variable.value(pose, motion)?;
-        let sense = match self.variable.slide() {
-            Some(axis) if self.with_sense => pose.sense[axis.index()],
-            _ => 1.0,
-        };
+        let (value, sense) = self.dependence().value(pose, motion)?;
         let (first, share) = place(&self.knots, value);
         Some((first, share, sense))
+    }
+
+    /// What it displaces and what it hangs on.
+    pub fn dependence(&self) -> Dependence {
+        Dependence { seat: self.seat, variable: self.variable, with_sense: self.with_sense }
     }
 
     /// What it is called in a table.

@@ -8,8 +8,8 @@
 //! so that an acceleration `a` builds up with the jerk `a/T`, and every stretch from rest to rest takes
 //! `T` longer. The path itself is not filtered: what moves are the times at which it is passed.
 
-use super::Profile;
 use super::profile::Phase;
+use super::profile::Profile;
 
 /// A stretch from rest to rest as planned, at the ends of whose pieces the acceleration changes.
 #[derive(Debug, Clone, Copy)]

@@ -1,6 +1,6 @@
 //! When and where every slide turned round.
 
-use super::Trajectory;
+use super::trajectory::Trajectory;
 use crate::machine::Axis;
 use crate::model::Reversal;
 

@@ -2,8 +2,9 @@
 
 use nalgebra::Vector3;
 
+use super::bell;
 use super::limits::{self, Limits};
-use super::{Profile, bell};
+use super::profile::Profile;
 use crate::machine::Machine;
 use crate::model::{Corner, Motion};
 use crate::nc::{Action, Move, Program};

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 
-use super::Reading;
 use super::lex::{Fault, Lexer, Piece, Word};
+use super::reading::Reading;
 use crate::error::{Error, Place, Result};
 
 /// A line of the file.

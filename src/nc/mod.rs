@@ -49,12 +49,16 @@ mod modal;
 mod position;
 pub mod program;
 mod read;
+mod reading;
 mod run;
+mod source;
 #[cfg(test)]
 mod tests;
 mod write;
 
 pub use check::{Checked, Finding, Severity, Sphere, check};
 pub use program::{Action, Move, Path, Program, Step};
-pub use read::{Reading, read, read_file, text_of};
+pub use read::{read, read_file, text_of};
+pub use reading::Reading;
+pub use source::Source;
 pub use write::{ReadBack, read_back, write};

@@ -2,12 +2,12 @@
 
 use nalgebra::Vector3;
 
-use super::Reading;
 use super::arc::Ends;
 use super::command::{Command, Letters};
 use super::lex::{Fault, Word};
 use super::modal::{Code, Modal, Motion, unknown};
 use super::program::{Move, Path};
+use super::reading::Reading;
 
 /// Addresses of coordinates.
 pub(crate) const COORDINATES: Letters = Letters::of(b"XYZ");

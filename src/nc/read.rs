@@ -1,36 +1,13 @@
 //! From a file or a text to a [`Program`].
 
-use std::collections::BTreeMap;
 use std::path::Path;
-
-use nalgebra::Vector3;
 
 use super::lex::Fault;
 use super::listing::Listing;
 use super::program::Program;
+use super::reading::Reading;
 use super::run;
 use crate::error::{Error, Place, Result};
-use crate::machine::{Dialect, Machine};
-
-/// What a program does not say, but the control knows.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Reading {
-    /// How words are understood.
-    pub dialect: Dialect,
-    /// For 54 to 59 (G54 to G59): machine coordinates of the offset's zero, mm.
-    pub work_offsets_mm: BTreeMap<u8, Vector3<f64>>,
-    /// Block delete is on: blocks that begin with a slash are skipped.
-    pub block_delete: bool,
-    /// Optional stop is on: M01 stops.
-    pub optional_stop: bool,
-}
-
-impl Reading {
-    /// Reading for the control of a machine, no work offset known yet.
-    pub fn of(machine: &Machine) -> Self {
-        Self { dialect: machine.controller().dialect, ..Self::default() }
-    }
-}
 
 /// Reads a program.
 ///

@@ -1,12 +1,12 @@
 //! Runs a program: block after block, through its subprograms, to its end.
 
-use super::Reading;
 use super::command::{Command, Letters};
 use super::lex::{Fault, Word};
 use super::listing::{Block, Line, Listing, Refuse};
 use super::modal::{Code, LookAhead, Miscellaneous};
 use super::position::{ARC, COORDINATES, Machine};
 use super::program::{Action, Step};
+use super::reading::Reading;
 use crate::error::Result;
 use crate::machine::Dialect;
 

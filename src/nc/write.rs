@@ -3,7 +3,7 @@
 use askama::Template;
 use nalgebra::Vector3;
 
-use super::{Action, Program};
+use super::program::{Action, Program};
 use crate::error::{Error, Kind, Result};
 use crate::machine::{Controller, Dialect, Machine};
 use crate::plan::{Path, Step, Test};

@@ -4,7 +4,7 @@ use std::fmt;
 
 use nalgebra::Vector3;
 
-use super::{Path, Step};
+use super::path::{Path, Step};
 use crate::machine::{Cylinder, Machine};
 
 /// What comes near to the support of the workpiece ball.

@@ -2,7 +2,9 @@
 
 use nalgebra::{UnitVector3, Vector3};
 
-use super::{Arc, PathPlan, Test};
+use super::arc::Arc;
+use super::parts::PathPlan;
+use super::test_file::Test;
 use crate::error::{Error, Place, Result};
 use crate::machine::{Axis, Machine};
 

@@ -8,11 +8,13 @@ use toml::Spanned;
 use super::design_request::RawDesign;
 use super::log_format::{Format, LengthUnit, ReadingColumn, ReadingKind, TimeColumn, TimeUnit};
 use super::operator::RawOperator;
+use super::parts::{BallBar, Estimation, FreeArc, NamedMounting, PathPlan, Run};
 use super::raw_arc::RawArc;
 use super::raw_mounting::{RawMounting, check_length, mounting_index};
-use super::{BallBar, Estimation, FreeArc, Loss, NamedMounting, PathPlan, Run, Strategy};
+use super::strategy::Strategy;
 use crate::error::{Error, Result};
 use crate::model;
+use crate::solve::Loss;
 use crate::toml_text::Text;
 
 #[derive(Deserialize)]

@@ -7,8 +7,9 @@ use nalgebra::{Unit, UnitVector3, Vector3};
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::arc::Arc;
+use super::parts::{FreeArc, NamedMounting};
 use super::raw_mounting::mounting_index;
-use super::{Arc, FreeArc, NamedMounting};
 use crate::error::{Error, Result};
 use crate::toml_text::Text;
 

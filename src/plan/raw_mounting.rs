@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::{BallBar, NamedMounting};
+use super::parts::{BallBar, NamedMounting};
 use crate::error::{Error, Place, Result};
 use crate::machine::Mounting;
 use crate::toml_text::Text;

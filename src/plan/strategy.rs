@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::Arc;
+use super::arc::Arc;
 
 /// A named choice of arcs; every arc is driven forward and backward.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,57 +1,58 @@
-//! Results for people and for other programs: terminal summary, `analysis.json`, samples as CSV, and one
-//! self-contained HTML file.
+//! Results for people and for other programs, a folder a document.
+//!
+//! | folder | document |
+//! | --- | --- |
+//! | `analysis` | `analysis.json`, `report.html`, `samples-RUN.csv`, the summary |
+//! | `diagnosis` | what the model gets wrong: part of the analysis, and by itself |
+//! | `plan` | `plan.json`, `plan.html`: what a test will be |
+//! | `design` | a test that was designed |
+//! | `paper` | the paper's tables, computed again |
+//! | `program` | the path of a program and its speed |
+//!
+//! In each, `facts` holds what is written, as plain numbers; `gather` makes it of results; `verdict`, `cautions` and
+//! `words` are its sentences; `terminal`, `html` and `figures` show it. `text` and `draw` serve all of them.
 //!
 //! Everything here is a function of its input alone: no clock, no network, no random order. The same
 //! files give the same bytes.
-//!
-//! [`Analysis`] is the one place where numbers are gathered; terminal, JSON and the tables of the HTML
-//! report read it and nothing else. Curves are drawn from the identifications themselves.
 
 mod analysis;
-mod arc_table;
-mod cautions;
+mod design;
 mod diagnosis;
-mod figures;
+mod draw;
 #[cfg(test)]
 mod fixture;
-mod gather;
-pub mod html;
-mod machine_errors;
-mod mountings;
-mod numbers;
-mod outlook;
 mod paper;
-mod path_plot;
-mod proposal;
-mod samples;
-mod svg;
-mod svg_chart;
-mod svg_polar;
-mod terminal;
+mod plan;
+mod program;
 mod text;
-mod ticks;
-mod traces;
-mod units;
 
-pub use analysis::{
+pub use analysis::facts::{
     Analysis, ArcResult, BallBarFacts, Correlation, FeedOverride, MachineFacts, MarkResult,
-    MeanResult, MountingFacts, NoiseResult, ParameterResult, PauseResult, Pivots, RejectedSample,
-    RepeatResult, RunResult, SampleCounts, TestFacts,
+    MountingFacts, NoiseResult, ParameterResult, PauseResult, Pivots, RejectedSample, RepeatResult,
+    RunResult, SampleCounts, TestFacts,
 };
-pub use diagnosis::{
-    ArcFacts, BinFacts, DiagnosisFacts, FeatureFacts, FindingFacts, LeftOutFacts, MovedFacts,
-    NumberFacts, OffTimeFacts, PictureFacts, PointFacts, ProgramGainFacts, RivalFacts,
-    RunGainFacts, StructureFacts, ViewFacts, WrongSettingFacts, diagnosis_text,
-};
-pub use machine_errors::{Hysteresis, MachineErrors, Reversal, Scale, Squareness};
-pub use outlook::{
+pub use analysis::html;
+pub use analysis::machine_errors::{Hysteresis, MachineErrors, Reversal, Scale, Squareness};
+pub use analysis::means::MeanResult;
+pub use analysis::samples::{write_aligned, write_samples};
+pub use analysis::terminal::{runs_table, summary};
+pub use design::facts::{proposal_json, unseen_of};
+pub use design::terminal::{proposal_text, some_of};
+pub use diagnosis::facts::{DiagnosisFacts, FindingFacts};
+pub use diagnosis::owner::OwnerFacts;
+pub use diagnosis::settings::WrongSettingFacts;
+pub use diagnosis::terminal::diagnosis_text;
+pub use diagnosis::verdict::VerdictFacts;
+pub use paper::facts::paper_json;
+pub use paper::page::paper_page;
+pub use paper::terminal::{nearest_text, paper_text};
+pub use plan::facts::{
     ClearanceFacts, ComparedSquareness, Comparison, ForeseenErrors, ForeseenHysteresis,
     ForeseenReversal, ForeseenScale, ForeseenSquareness, MountingOutlook, OperatorFacts,
-    ParameterOutlook, PlanReport, Planned, SightFacts, Spread, TestOutlook, TimeFacts, TravelFacts,
-    UnseenTerm, VolumeFacts, plan_page, plan_summary,
+    ParameterOutlook, PlanReport, SightFacts, Spread, TestOutlook, TimeFacts, TravelFacts,
+    UnseenTerm, VolumeFacts,
 };
-pub use paper::{nearest_text, paper_json, paper_page, paper_text};
-pub use path_plot::path_page;
-pub use proposal::{proposal_json, proposal_text, some_of, unseen_of};
-pub use samples::{write_aligned, write_samples};
-pub use terminal::{runs_table, summary};
+pub use plan::html::plan_page;
+pub use plan::planned::Planned;
+pub use plan::terminal::plan_summary;
+pub use program::html::path_page;

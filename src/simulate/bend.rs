@@ -2,7 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::{Clock, ClockMoment, Coincidence, Scenario, hidden};
+use super::clock::{Clock, ClockMoment};
+use super::hidden;
+use super::scenario::{Coincidence, Scenario};
 use crate::error::Result;
 use crate::machine::{Axis, ChainErrors, Machine, Mounting, Pose};
 use crate::model::{Ball, Effect, Motion, Reversal, Term};

@@ -38,7 +38,8 @@ use std::path::Path;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::{Coincidence, Dropouts, Noise, Pauses, Scenario};
+use super::noise::Noise;
+use super::scenario::{Coincidence, Dropouts, Pauses, Scenario};
 use crate::error::{Error, Place, Result};
 use crate::model::{Coefficient, Effect, ErrorFunctions, SetUp};
 use crate::toml_text::{self, Text};

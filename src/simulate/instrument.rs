@@ -2,7 +2,7 @@
 
 use super::noise::NoiseSource;
 use super::random::{Purpose, Stream};
-use super::{Dropouts, Scenario};
+use super::scenario::{Dropouts, Scenario};
 
 /// Most decimals of a micrometre that a log is written with.
 const MOST_DECIMALS: u8 = 9;

@@ -1,10 +1,11 @@
 //! One run: the program on the virtual machine, read by the virtual instrument.
 
 use super::bend::{Bent, Drive};
+use super::clock::ClockMoment;
 use super::clock::{self, Clock};
 use super::instrument::{Instrument, Outcome, Reads};
 use super::random::{Purpose, Stream};
-use super::{ClockMoment, Pauses, Scenario};
+use super::scenario::{Pauses, Scenario};
 use crate::error::{Error, Place, Result};
 use crate::machine::{Machine, Mounting};
 use crate::motion::{State, Trajectory};

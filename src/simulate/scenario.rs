@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::Noise;
+use super::noise::Noise;
 use crate::error::{Error, Result};
 use crate::model::{Ball, Coefficient, Effect, Empirical, ErrorFunctions, ModelFile, SetUp};
 

@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::SimulatedRun;
 use super::instrument::decimals;
+use super::run::SimulatedRun;
 
 impl SimulatedRun {
     /// The log as CSV: a comment with the seed, the header `time_s,deviation_um`, then one row a sample,

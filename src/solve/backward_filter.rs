@@ -14,7 +14,8 @@
 //! `L L^T` is exactly the covariance of a segment cut out of the noise, and not of one that started from
 //! silence, which would underrate short arcs.
 
-use super::{Matrix, NoiseModel};
+use super::matrix::Matrix;
+use super::noise::NoiseModel;
 
 /// Filters the rows of one segment after another, last sample first, without keeping them.
 ///

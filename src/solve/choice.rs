@@ -7,7 +7,9 @@
 //! matroid of independent columns: no other complete set has a column that the order prefers.
 
 use super::matrix::{dot, norm};
-use super::{Spectrum, Triangle, Truncation};
+use super::spectrum::Spectrum;
+use super::spectrum::Truncation;
+use super::triangle::Triangle;
 use crate::Result;
 
 /// Above this many times the floor, what is left of a column decides alone; below, the singular values.
@@ -42,7 +44,7 @@ impl Triangle {
         for &k in order {
             let mut column = self.r().column(k);
             let length = norm(column.iter().copied());
-            let vanished = length <= super::VANISHED * references[k];
+            let vanished = length <= super::spectrum::VANISHED * references[k];
             if vanished || choice.kept.len() == most {
                 choice.rejected.push(k);
                 continue;

@@ -3,7 +3,7 @@
 //! A search over test plans factors matrices of some twenty rows a hundred thousand times; a library's
 //! call, with its workspace, costs more than the factorisation at that size.
 
-use super::Matrix;
+use super::matrix::Matrix;
 use super::matrix::dot;
 
 /// `A = L L^T` of a symmetric positive definite matrix.

@@ -14,7 +14,7 @@
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 
-use super::Matrix;
+use super::matrix::Matrix;
 
 /// Rows of a chunk: with a hundred columns it stays in the second-level cache.
 pub(super) const CHUNK: usize = 1024;

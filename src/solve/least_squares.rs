@@ -7,21 +7,10 @@
 //!
 //! `D`, `V`, `S`, `U` and `c` as in [`Spectrum`] and [`Triangle`]; `r` is how many directions are kept.
 
-use super::matrix::norm;
-use super::{Matrix, Spectrum, Triangle};
+use super::matrix::{Matrix, norm};
+use super::spectrum::{Spectrum, Truncation};
+use super::triangle::Triangle;
 use crate::Result;
-
-/// Which singular directions a solution keeps.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Truncation {
-    /// Those whose singular value is above this part of the largest one.
-    Relative(f64),
-    /// Those whose singular value is above this number, in the unit of the rows: the effect of the unit
-    /// direction in scaled coefficients.
-    Effect(f64),
-    /// At most this many, the strongest first.
-    Rank(usize),
-}
 
 /// The solution of a least-squares problem.
 #[derive(Debug, Clone, PartialEq)]

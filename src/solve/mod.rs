@@ -18,6 +18,7 @@
 //! | [`Triangle::choose`] | the triangle, an order of the columns | [`Choice`]: which columns to keep |
 //! | [`solve()`] | triangle, [`Truncation`] | [`Solution`]: `x`, residual, covariance, observed fractions |
 //! | [`Loss`], [`robust_scale`] | residuals | weights of the next step |
+//! | [`Basis`] | a further column | what the fit leaves of it |
 //! | [`NoiseModel`], [`BackwardFilter`] | residuals of contiguous segments | rows `L^T J`, for [`Solution::covariance_sandwich`] |
 //!
 //! A nonlinear model takes Gauss-Newton steps: push the Jacobian and the residuals at the present
@@ -71,6 +72,7 @@
 //! are refused where they come in.
 
 mod backward_filter;
+mod basis;
 mod choice;
 mod cholesky;
 mod fold;
@@ -83,15 +85,18 @@ mod spectrum;
 mod svd;
 mod triangle;
 mod tsqr;
+mod vector;
 
 pub use backward_filter::BackwardFilter;
+pub use basis::Basis;
 pub use choice::Choice;
 pub use cholesky::{Cholesky, low_rank_factor};
-pub use least_squares::{Solution, Truncation, correlation, solve, standard_deviations};
+pub use least_squares::{Solution, correlation, solve, standard_deviations};
 pub use matrix::Matrix;
 pub use noise::{Autocovariances, NoiseModel};
 pub use null_space::NullDirection;
 pub use robust::{HUBER, Loss, NORMAL_PER_MEDIAN, TUKEY, robust_scale};
-pub use spectrum::{Spectrum, VANISHED};
+pub use spectrum::{Spectrum, Truncation, VANISHED};
 pub use triangle::Triangle;
 pub use tsqr::Tsqr;
+pub use vector::{dot, median};

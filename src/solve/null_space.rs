@@ -5,7 +5,7 @@
 //! one, and exchanging pivots as the simplex method does makes it shorter for as long as that works. The
 //! sparsest basis of all is a hard combinatorial problem; this one is short, not proven shortest.
 
-use super::Matrix;
+use super::matrix::Matrix;
 
 /// An exchange may not divide by less than this part of the row's largest element: digits would be lost.
 const STABLE: f64 = 0.05;

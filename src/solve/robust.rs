@@ -18,6 +18,8 @@
 //! Huber's loss is convex: the minimum is the same from every start. Tukey's is not: start it from a
 //! Huber fit, else it may settle on a wrong half of the data.
 
+use serde::{Deserialize, Serialize};
+
 /// Tuning constant of Huber's loss, 95 % efficiency at the normal distribution.
 pub const HUBER: f64 = 1.345;
 
@@ -28,7 +30,8 @@ pub const TUKEY: f64 = 4.685;
 pub const NORMAL_PER_MEDIAN: f64 = 1.482_602_218_505_602;
 
 /// What a residual costs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Loss {
     /// Its square: ordinary least squares.
     #[default]
@@ -40,6 +43,10 @@ pub enum Loss {
 }
 
 impl Loss {
+    /// All, by the names that files and the command line use.
+    pub const NAMED: [(&str, Self); 3] =
+        [("off", Self::Off), ("huber", Self::Huber), ("tukey", Self::Tukey)];
+
     /// `rho(u)` of a residual in units of its standard deviation.
     pub fn rho(self, u: f64) -> f64 {
         match self {

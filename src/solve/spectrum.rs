@@ -8,11 +8,24 @@
 //! how much of a row's worth of effect is left when the coefficients move along that direction. Without
 //! the scaling it would depend on whether an angle is given in radians or in arc seconds.
 
+use super::matrix::Matrix;
 use super::matrix::{dot, norm};
 use super::null_space::{NullDirection, sparse_basis};
 use super::svd::Decomposition;
-use super::{Matrix, Triangle, Truncation};
+use super::triangle::Triangle;
 use crate::Result;
+
+/// Which singular directions a solution keeps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Truncation {
+    /// Those whose singular value is above this part of the largest one.
+    Relative(f64),
+    /// Those whose singular value is above this number, in the unit of the rows: the effect of the unit
+    /// direction in scaled coefficients.
+    Effect(f64),
+    /// At most this many, the strongest first.
+    Rank(usize),
+}
 
 /// A column shorter than this part of its reference has vanished: only rounding is left in it.
 pub const VANISHED: f64 = 1e-13;

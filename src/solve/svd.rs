@@ -4,7 +4,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::svd::{self, ComputeSvdVectors};
 use faer::{Mat, Par};
 
-use super::Matrix;
+use super::matrix::Matrix;
 use super::matrix::norm;
 use crate::error::Kind;
 use crate::{Error, Result};

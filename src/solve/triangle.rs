@@ -1,7 +1,6 @@
 //! What is left of all rows of a least-squares problem: a triangle.
 
-use super::{Matrix, Tsqr};
-use crate::Result;
+use super::matrix::Matrix;
 
 /// The triangle that stands for all rows of a least-squares problem `min |J x - e|`.
 ///
@@ -44,27 +43,5 @@ impl Triangle {
     /// Number of columns `n`, without the right-hand side.
     pub fn columns(&self) -> usize {
         self.r.columns()
-    }
-
-    /// The triangle of the same rows with only the given columns, in the given order.
-    ///
-    /// It costs one `n x n` factorisation, not a pass over the data, so trying models is cheap.
-    ///
-    /// # Panics
-    ///
-    /// If a column does not exist.
-    pub fn select(&self, columns: &[usize]) -> Result<Self> {
-        let mut narrow = Tsqr::new(columns.len());
-        let mut row = vec![0.0; columns.len()];
-        for i in 0..self.columns() {
-            for (value, &k) in row.iter_mut().zip(columns) {
-                *value = self.r[(i, k)];
-            }
-            narrow.push(&row, self.q_t_rhs[i]);
-        }
-        row.fill(0.0);
-        narrow.push(&row, self.residual_norm);
-        let triangle = narrow.finish()?;
-        Ok(Self { rows: self.rows, ..triangle })
     }
 }

@@ -12,7 +12,8 @@
 //! `R^T R = J^T J`, yet `J^T J` is never formed: its rounding alone loses half of the digits.
 
 use super::fold::{CHUNK, Fold};
-use super::{Matrix, Triangle};
+use super::matrix::Matrix;
+use super::triangle::Triangle;
 use crate::{Error, Result};
 
 /// Takes the rows of a least-squares problem and keeps only their triangle.
@@ -168,6 +169,30 @@ impl Tsqr {
             // The last columns of the stride are padding, never looked at before a real one.
             self.not_finite = bad.map(|column| (self.rows, column));
         }
+    }
+}
+
+impl Triangle {
+    /// The triangle of the same rows with only the given columns, in the given order.
+    ///
+    /// It costs one `n x n` factorisation, not a pass over the data, so trying models is cheap.
+    ///
+    /// # Panics
+    ///
+    /// If a column does not exist.
+    pub fn select(&self, columns: &[usize]) -> Result<Self> {
+        let mut narrow = Tsqr::new(columns.len());
+        let mut row = vec![0.0; columns.len()];
+        for i in 0..self.columns() {
+            for (value, &k) in row.iter_mut().zip(columns) {
+                *value = self.r[(i, k)];
+            }
+            narrow.push(&row, self.q_t_rhs[i]);
+        }
+        row.fill(0.0);
+        narrow.push(&row, self.residual_norm);
+        let triangle = narrow.finish()?;
+        Ok(Self { rows: self.rows, ..triangle })
     }
 }
 

@@ -4,7 +4,7 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rand_pcg::Pcg64Mcg;
 
-use super::Class;
+use super::class::Class;
 
 /// What a stream is for. The numbers are part of what a seed means: never change them.
 #[derive(Debug, Clone, Copy)]

@@ -1,11 +1,12 @@
 //! What a campaign of the trial drives.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use crate::design::PlannedProgram;
 use crate::error::Result;
 use crate::machine::Machine;
-use crate::nc::{self, Program};
+use crate::nc::{Program, Reading, Source};
 use crate::plan::Test;
 
 /// The built-in test: the 3D6 of the sample measurements.
@@ -52,6 +53,22 @@ pub struct CourseRun {
     pub feed_override: f64,
 }
 
+/// A program of a course.
+#[derive(Debug)]
+pub struct CourseProgram {
+    /// Its text.
+    pub source: Arc<Source>,
+    /// What it drives.
+    pub program: Program,
+}
+
+impl From<PlannedProgram> for CourseProgram {
+    fn from(planned: PlannedProgram) -> Self {
+        let source = Source { file: planned.program.file.clone(), text: planned.text };
+        Self { source: Arc::new(source), program: planned.program }
+    }
+}
+
 /// A test, its machine and the programs of its runs.
 #[derive(Debug)]
 pub struct Course {
@@ -60,7 +77,7 @@ pub struct Course {
     /// The machine.
     pub machine: Machine,
     /// The programs.
-    pub programs: Vec<Program>,
+    pub programs: Vec<CourseProgram>,
     /// The runs, in the order of their repeats.
     pub runs: Vec<CourseRun>,
 }
@@ -79,7 +96,7 @@ impl Course {
         for (count, feed_mm_min, sample_rate_hz) in RUNS {
             let text = TEST.replace("500.0", &format!("{feed_mm_min:.1}"));
             let of_feed = Test::parse(&text, Path::new("blind.toml"))?;
-            programs.push(PlannedProgram::new(&of_feed, &machine, 0)?.program);
+            programs.push(CourseProgram::from(PlannedProgram::new(&of_feed, &machine, 0)?));
             for _ in 0..count {
                 let number = runs.len() as u32 + 1;
                 runs.push(CourseRun {
@@ -107,12 +124,14 @@ impl Course {
         match test.runs() {
             Ok(measured) if repeats.is_none() || test.plan().is_err() => {
                 for run in measured {
-                    let mut reading = nc::Reading::of(&machine);
+                    let mut reading = Reading::of(&machine);
                     let mounting = &test.mountings()[run.mounting];
                     reading
                         .work_offsets_mm
                         .insert(mounting.work_offset, mounting.mounting.coincidence_mm);
-                    programs.push(nc::read_file(&run.program, &reading)?);
+                    let source = Arc::new(Source::read(&run.program)?);
+                    let program = source.program(&reading)?;
+                    programs.push(CourseProgram { source, program });
                     runs.push(CourseRun {
                         name: run.name.clone(),
                         program: programs.len() - 1,
@@ -125,7 +144,8 @@ impl Course {
             }
             _ => {
                 for mounting in 0..test.mountings().len() {
-                    programs.push(PlannedProgram::new(&test, &machine, mounting)?.program);
+                    programs
+                        .push(CourseProgram::from(PlannedProgram::new(&test, &machine, mounting)?));
                 }
                 for repeat in 1..=repeats.unwrap_or(5) {
                     runs.extend((0..programs.len()).map(|mounting| CourseRun {

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 
-use super::Course;
 use super::chance::Chance;
+use super::course::Course;
 use crate::model::{Coefficient, Power};
 use crate::simulate::{Coincidence, Noise, Pauses, Scenario};
 

@@ -5,8 +5,9 @@
 //! traces outside of the model beyond [`SAME`]. A finding of the same cause on another seat is compared
 //! with the hidden numbers on that seat, so that the noise of the numbers found does not count.
 
+use super::class::Class;
+use super::course::Course;
 use super::stage::{Stage, Trace};
-use super::{Class, Course};
 use crate::diagnose::{Finding, Owner, Searched, Told};
 use crate::machine::Axis;
 use crate::model::Form;

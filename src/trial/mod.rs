@@ -26,11 +26,12 @@ mod judge;
 mod one;
 mod rates;
 mod session;
+mod simulated;
 mod stage;
 mod table;
 
 pub use class::{Class, REQUIRED};
-pub use course::{Course, CourseRun};
+pub use course::{Course, CourseProgram, CourseRun};
 pub use draw::DRAWN;
 pub use judge::{Found, Judgement, Verdict};
 pub use one::{Outcome, Seconds};

@@ -1,20 +1,17 @@
 //! One trial: a campaign with something hidden, diagnosed and judged.
 
-use std::path::Path;
 use std::time::Instant;
 
-use rayon::prelude::*;
-
+use super::class::Class;
+use super::course::Course;
 use super::judge::{Judgement, Verdict, judge};
-use super::stage::{Stage, Trace, simulate_all};
-use super::{Class, Course};
-use crate::align;
+use super::simulated::{measured, simulate_all};
+use super::stage::{Stage, Trace};
 use crate::diagnose::{Finding, Searched, search};
-use crate::error::Result;
-use crate::identify::{Campaign, Failure, RunInput};
-use crate::log;
+use crate::error::{Kind, Result};
+use crate::identify::{Campaign, Failure};
 use crate::model::Effect;
-use crate::simulate::{Scenario, SimulatedRun};
+use crate::simulate::Scenario;
 
 /// How long the parts of a trial took, s.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -96,46 +93,18 @@ fn diagnosed(
     let simulated = simulate_all(course, &days)?;
     seconds.simulate_s = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let aligned = aligned(course, &simulated)?;
-    let campaign = Campaign::of_aligned(
-        &course.test,
-        &course.machine,
-        aligned,
-        Vec::new(),
-        Failure::LeaveOut,
-        &|| (),
-    )?;
+    let measured = measured(course, &simulated)?;
+    let campaign =
+        Campaign::of_measured(&course.test, &course.machine, measured, Failure::LeaveOut)?;
+    // A log that does not belong to its program would be taken again: such a trial is none.
+    let foreign = campaign.left_out.iter().find(|(_, error)| error.kind == Kind::Mismatch);
+    if let Some((_, error)) = foreign {
+        return Err(error.clone());
+    }
     seconds.identify_s = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let searched = search(&course.test, &course.machine, &campaign)?;
     seconds.diagnose_s = start.elapsed().as_secs_f64();
     let left_out = campaign.left_out.into_iter().map(|(run, error)| (run, error.what)).collect();
     Ok((searched, left_out))
-}
-
-/// The logs of a campaign laid over their programs, by repeat.
-pub(super) fn aligned(course: &Course, simulated: &[SimulatedRun]) -> Result<Vec<Vec<RunInput>>> {
-    let runs: Vec<(usize, &SimulatedRun)> = simulated.iter().enumerate().collect();
-    let aligned = runs
-        .into_par_iter()
-        .map(|(index, simulated)| {
-            let run = &course.runs[index];
-            let csv = simulated.csv();
-            let log =
-                log::read_bytes(csv.as_bytes(), Path::new(&run.name), &log::Format::default())?;
-            let bar = course.test.bar_of(run.mounting);
-            let mounting = &course.test.mountings()[run.mounting].mounting;
-            let program = &course.programs[run.program];
-            let (machine, knob) = (&course.machine, run.feed_override);
-            Ok(RunInput {
-                name: run.name.clone(),
-                mounting: run.mounting,
-                nominal_mm: bar.length_mm,
-                alignment: align::align(&log, program, machine, mounting, &bar, knob)?,
-            })
-        })
-        .collect::<Result<Vec<_>>>()?;
-    let mut aligned = aligned.into_iter();
-    let repeats = course.repeats();
-    Ok(repeats.iter().map(|runs| aligned.by_ref().take(runs.len()).collect()).collect())
 }

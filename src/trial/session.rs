@@ -4,11 +4,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 
 use super::chance::{Chance, Purpose};
+use super::class::Class;
+use super::course::Course;
 use super::days::{NOISE, days};
 use super::draw::{DRAWN, OUTSIDE, causes};
 use super::one::{Drawn, Outcome, trial};
 use super::stage::Stage;
-use super::{Class, Course};
 use crate::error::{Error, Kind, Result};
 
 /// A trial that is asked for.

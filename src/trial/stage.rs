@@ -3,18 +3,16 @@
 //! A campaign without anything hidden is identified once. On its clock every effect runs through the exact
 //! chain; the difference that it makes at the samples of the fits, less what the fits follow, is its trace.
 
-use rayon::prelude::*;
-
-use super::Course;
 use super::chance::{Chance, Purpose};
 use super::class::Class;
+use super::course::Course;
 use super::days::days;
 use super::draw::{self, Reach};
-use super::one::aligned;
+use super::simulated::{measured, simulate_all};
 use crate::error::{Error, Kind, Result};
 use crate::identify::{Campaign, Failure, Linearised, Options};
 use crate::model::{Cause, Effect};
-use crate::simulate::{self, Noise, Scenario};
+use crate::simulate::{Noise, Scenario};
 
 /// An effect of which less than this share of its rms lies outside of the model is not hidden.
 const SEEN: f64 = 0.03;
@@ -82,15 +80,9 @@ impl Stage {
     pub(super) fn new(course: &Course) -> Result<Self> {
         let mut scenarios = days(course, &mut Chance::new(0, Class::None, 0, Purpose::Days));
         let simulated = simulate_all(course, &scenarios)?;
-        let aligned = aligned(course, &simulated)?;
-        let campaign = Campaign::of_aligned(
-            &course.test,
-            &course.machine,
-            aligned,
-            Vec::new(),
-            Failure::Refuse,
-            &|| (),
-        )?;
+        let measured = measured(course, &simulated)?;
+        let campaign =
+            Campaign::of_measured(&course.test, &course.machine, measured, Failure::Refuse)?;
         let model = campaign.model(&course.test, &course.machine, 0)?;
         let options = Options::of(&course.test);
         let rates: Vec<f64> = simulated.iter().map(|run| run.sample_rate_hz).collect();
@@ -138,7 +130,7 @@ impl Stage {
         let mut outside_mm = Vec::new();
         let (mut squares, mut largest_mm) = (0.0, 0.0_f64);
         for block in &self.blocks {
-            let mut change: Vec<f64> = block
+            let change: Vec<f64> = block
                 .readings
                 .iter()
                 .zip(&block.linear.samples)
@@ -150,17 +142,7 @@ impl Stage {
                 .collect();
             squares += change.iter().map(|c| c * c).sum::<f64>();
             largest_mm = change.iter().fold(largest_mm, |most, c| most.max(c.abs()));
-            let rank = block.linear.rank.max(1);
-            let mut along = vec![0.0; rank];
-            for (c, row) in change.iter().zip(block.linear.q.chunks_exact(rank)) {
-                for (a, q) in along.iter_mut().zip(row) {
-                    *a += c * q;
-                }
-            }
-            for (c, row) in change.iter_mut().zip(block.linear.q.chunks_exact(rank)) {
-                *c -= row.iter().zip(&along).map(|(q, a)| q * a).sum::<f64>();
-            }
-            outside_mm.extend(change);
+            outside_mm.extend(block.linear.basis.outside(&change));
         }
         let outside: f64 = outside_mm.iter().map(|c| c * c).sum();
         let share = if squares > 0.0 { (outside / squares).sqrt() } else { 0.0 };
@@ -247,17 +229,3 @@ impl Stage {
 
 /// Samples of a run that are looked at; of longer logs every so many.
 const MOST: usize = 12_000;
-
-/// Every run of a course on its day.
-pub(super) fn simulate_all(
-    course: &Course,
-    scenarios: &[Scenario],
-) -> Result<Vec<simulate::SimulatedRun>> {
-    let runs = course.runs.par_iter().zip(scenarios);
-    runs.map(|(run, scenario)| {
-        let mounting = &course.test.mountings()[run.mounting].mounting;
-        let bar = course.test.bar_of(run.mounting);
-        simulate::run(&course.machine, mounting, &course.programs[run.program], &bar, scenario)
-    })
-    .collect()
-}

@@ -3,8 +3,12 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use super::class::Class;
+use super::draw::DRAWN;
 use super::draw::OUTSIDE;
-use super::{Class, DRAWN, Outcome, Rate, Verdict};
+use super::judge::Verdict;
+use super::one::Outcome;
+use super::rates::Rate;
 
 /// A requirement: what, of which class, how often at the least or at the most.
 type Requirement = (&'static str, Class, fn(&Outcome) -> bool, f64, bool);

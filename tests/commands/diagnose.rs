@@ -43,12 +43,12 @@ fn a_cause_is_named_with_what_to_do_and_the_gain() {
     let outcome = work.ballbar(&["diagnose", test.to_str().unwrap()]).done();
     let text = outcome.stdout();
     for told in [
-        "um rms of structure repeats that the model does not explain",
+        "The repeatable part of the residual is",
         "1. Cyclic error of a screw or scale, EXX (positioning of X): amplitude 1.20",
-        "the pitch of the screw of X, 10 mm: once a turn",
+        "the pitch of the X screw, 10 mm: once per turn",
         "what to do",
-        "Foretold from the runs of the other programs",
-        "Coefficients that the missing effects had moved",
+        "Predicted from the runs of the other programs",
+        "Coefficients that change by more than their sigma",
     ] {
         assert!(text.contains(told), "{told}: {text}");
     }
@@ -76,9 +76,9 @@ fn one_run_only_still_works_and_says_what_it_cannot_tell() {
     let outcome = work.ballbar(&["diagnose", "test.toml"]).done();
     let text = outcome.stdout();
     assert!(text.contains("1. Cyclic error of a screw or scale, EXX"), "{text}");
-    assert!(text.contains("no repeat tells what of it is noise"), "{text}");
-    assert!(text.contains("One repeat only") && text.contains("No program ran twice"), "{text}");
-    assert!(!text.contains("Foretold") && !text.contains("took no part:"), "{text}");
+    assert!(text.contains("its repeatable part is unknown"), "{text}");
+    assert!(text.contains("Only one repeat") && text.contains("No program ran twice"), "{text}");
+    assert!(!text.contains("Predicted") && !text.contains("not fitted:"), "{text}");
 }
 
 #[test]

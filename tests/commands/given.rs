@@ -28,7 +28,7 @@ fn a_design_goes_on_from_what_was_measured() {
     // D's criterion is no length.
     work.test(&format!("{WISH}criterion = \"D\"\n"));
     let told = work.ballbar(&given).done().stdout();
-    let (_, next) = told.split_once("What would tell most next").unwrap();
+    let (_, next) = told.split_once("What would determine most next").unwrap();
     assert!(
         next.contains("times better") && !next.contains(" um") && !next.contains('-'),
         "{next}"

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stdout)]
 
 mod check;
+mod degrees;
 mod design;
 mod diagnose;
 mod given;

@@ -65,7 +65,7 @@ fn the_json_agrees_with_the_text_and_repeats_count() {
     assert!(told.contains(&format!("uncertain by {of_one:.2} um rms")), "{told}");
     assert!(told.contains(&format!("The mean of 4: {of_mean:.2} um rms")), "{told}");
     let unseen = four.pointer("/tests/0/unseen").unwrap().as_array().unwrap().len();
-    assert!(told.contains(&format!("What it cannot tell ({unseen} terms)")), "{told}");
+    assert!(told.contains(&format!("What it cannot distinguish ({unseen} terms)")), "{told}");
     let all = work.ballbar(&["plan", "test.toml", "--all"]).done().stdout();
     assert!(all.contains("    EBXb acts as"), "{all}");
 }
@@ -138,7 +138,7 @@ fn named_terms_that_two_mountings_see_leave_nothing_untold_and_long_names_fit() 
     ));
     let told = work.ballbar(&["plan", "test.toml", "--repeats", "12"]).done().stdout();
     assert!(told.contains("37 of 90 coefficients and 6 set-up errors"), "{told}");
-    assert!(!told.contains("cannot tell") && !told.contains("Cautions"), "{told}");
+    assert!(!told.contains("cannot distinguish") && !told.contains("Cautions"), "{told}");
     assert!(told.lines().all(|line| line.chars().count() <= 100), "{told}");
 }
 

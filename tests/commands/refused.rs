@@ -240,6 +240,17 @@ fn an_output_directory_that_cannot_be_written() {
 }
 
 #[test]
+fn a_wrong_output_directory_is_told_before_the_work() {
+    let work = Work::new();
+    work.write("results", "a file stands where the directory should be");
+    // Else the first thing that is wrong would be the test file.
+    for command in ["analyse", "diagnose", "align", "identify", "simulate", "plan", "design"] {
+        let message = work.ballbar(&[command, "nothing.toml"]).refused(5);
+        assert!(message.contains("a file stands where the directory"), "{command}: {message}");
+    }
+}
+
+#[test]
 fn files_that_are_not_there() {
     let work = Work::new();
     assert_eq!(work.ballbar(&["analyse", "nothing.toml"]).refused(1).lines().count(), 3);

@@ -1,5 +1,8 @@
 //! What the machine file, the test file or the knob have otherwise than stated, found by `ballbar diagnose`.
 
+use ballbar::diagnose::search;
+use ballbar::identify::{Campaign, Failure};
+use ballbar::plan::Test;
 use serde_json::Value;
 
 use crate::work::{Work, data, unpacked};
@@ -24,7 +27,7 @@ fn designed() -> String {
 fn a_pivot_on_the_base_that_the_machine_file_has_on_the_carriage() {
     let work = Work::new();
     let (found, text) = diagnosed(&designed(), "pivot:on=Z", &work);
-    let told = "The pivot of Z is not on the carriage, as the machine file has it";
+    let told = "The pivot of Z is not on the carriage, as the machine file states";
     assert!(text.contains(told) && text.contains("`pivot = \"base\"`"), "{text}");
     let wrong = &found["wrong_settings"][0];
     assert_eq!(wrong["effect"], "pivot:on=Z", "{wrong}");
@@ -32,6 +35,27 @@ fn a_pivot_on_the_base_that_the_machine_file_has_on_the_carriage() {
     // Nothing else is named for it.
     assert_eq!(found["findings"].as_array().unwrap().len(), 0, "{text}");
     assert_eq!(found["nothing_found"], false);
+}
+
+#[test]
+fn a_model_file_has_the_terms_of_its_coefficients() {
+    let work = Work::new();
+    let simulated = ["simulate", &designed(), "--hide", "pivot:on=Z", "--hide"];
+    let cyclic = "cyclic:on=EXX,amplitude_um=0.25,period_mm=10";
+    work.ballbar(&[simulated.as_slice(), &[cyclic]].concat()).done();
+    work.ballbar(&["diagnose", "results/test.toml"]).done();
+    let model = std::fs::read_to_string(work.path("results/model.toml")).unwrap();
+    let model: toml::Table = toml::from_str(&model).unwrap();
+    let names =
+        |key: &str| -> Vec<String> { model[key].as_table().unwrap().keys().cloned().collect() };
+    let terms = model["terms"].as_array().unwrap().iter().map(|term| term.as_str().unwrap());
+    let mut terms: Vec<String> =
+        terms.filter(|t| !t.contains([':', '@'])).map(Into::into).collect();
+    let mut estimated = names("coefficients");
+    terms.retain(|term| !term.ends_with(['t', 'w']));
+    terms.sort();
+    estimated.sort();
+    assert_eq!(terms, estimated);
 }
 
 #[test]
@@ -103,4 +127,21 @@ fn a_knob_that_stood_far_elsewhere_is_named_where_its_run_is_left_out() {
     let (_, end) = text.split_once("\nRuns that were left out\n").unwrap();
     let end = end.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(end.contains("wrong: ") && end.contains("`feed_override_percent = 95.0`"), "{end}");
+}
+
+/// Every pose is another one then: the logs are laid over their programs again, those that were read.
+#[test]
+fn a_workpiece_ball_elsewhere_is_found_when_the_files_are_gone() {
+    let work = Work::new();
+    let hidden = "ball-place:on=EXw,offset_mm=20,mounting=2";
+    work.ballbar(&["simulate", &designed(), "--hide", hidden]).done();
+    let test = Test::read(&work.path("results/test.toml")).unwrap();
+    let machine = test.machine().unwrap();
+    let campaign = Campaign::of(&test, &machine, Failure::Refuse, &|| ()).unwrap();
+    std::fs::remove_dir_all(work.path("results")).unwrap();
+    let found = search(&test, &machine, &campaign).unwrap();
+    let effects: Vec<String> = found.wrong_settings.iter().map(|w| w.effect.to_string()).collect();
+    let wrong = &found.wrong_settings.first().expect("the place of the ball is wrong").effect;
+    assert_eq!((wrong.seat.to_string(), wrong.get("mounting")), ("EXw".to_owned(), 2.0));
+    assert!((wrong.get("offset_mm") - 20.0).abs() < 3.6, "{effects:?}");
 }

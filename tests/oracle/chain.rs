@@ -53,7 +53,8 @@ impl Set {
 
     pub(crate) fn align(&self, log: &Log, program: &Program) -> Result<Alignment> {
         let (mounting, bar) = (self.mountings()[0], self.test.ball_bar());
-        align::align(log, program, &self.machine, &mounting, bar, 1.0)
+        let rig = align::Rig { machine: &self.machine, mounting: &mounting, bar };
+        align::align(&align::Run { log, program, rig, feed_override: 1.0 })
     }
 
     /// A run of the test file, aligned.

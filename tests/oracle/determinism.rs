@@ -11,7 +11,7 @@ fn bits() -> String {
     for run in 0..2 {
         let found = set.identify(vec![set.run(run)]).unwrap();
         numbers.extend(found.estimates.iter().flat_map(|e| [e.value, e.sigma, e.observed]));
-        numbers.extend(&found.singular_values);
+        numbers.push(found.condition);
         numbers.extend(found.records[0].iter().map(|record| record.residual_mm));
         let map = &found.runs[0].alignment.time_map;
         numbers.extend([map.rate, map.rate_sigma]);

@@ -4,9 +4,10 @@
 //! both directions; a slide that stands still during an arc has the sense 0 there. Rank is counted at
 //! 1e-10 on columns of unit length, and a column that vanishes to rounding stays zero.
 
-use ballbar::identify::{Gather, POINTS, POSES, Pruning, Sight, removed_by, stages};
+use ballbar::identify::{Gather, POINTS, POSES, Sight};
 use ballbar::machine::{Axis, Machine, Mounting, Pivot};
 use ballbar::model::coefficients;
+use ballbar::paper::{Pruning, removed_by, stages};
 use ballbar::plan::Strategy;
 use nalgebra::Vector3;
 

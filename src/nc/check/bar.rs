@@ -1,6 +1,7 @@
 //! Rules of the ball-bar: reach, engagement, sphere, chords, what stands inside an arc, release.
 
-use super::{Findings, Sphere};
+use super::findings::Findings;
+use super::sphere::Sphere;
 use crate::error::Error;
 use crate::machine::{Axis, Machine};
 use crate::nc::lex::{Fault, Word};

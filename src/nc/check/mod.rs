@@ -34,7 +34,8 @@ use findings::Findings;
 
 use super::listing::Listing;
 use super::program::Program;
-use super::{Reading, run};
+use super::reading::Reading;
+use super::run;
 use crate::error::Result;
 use crate::machine::Machine;
 

@@ -1,6 +1,6 @@
 //! Rules for the path as such: travel, and what each axis can do at feed.
 
-use super::Findings;
+use super::findings::Findings;
 use crate::machine::{Axis, Machine};
 use crate::nc::lex::Fault;
 use crate::nc::listing::{Block, Listing};

@@ -1,6 +1,6 @@
 //! Rules for what stands in the file: characters, lengths, `%`, N and O, size.
 
-use super::Findings;
+use super::findings::Findings;
 
 use crate::machine::{Controller, Dialect};
 use crate::nc::lex::{Fault, Lexer, Piece, Word};

@@ -1,6 +1,6 @@
 //! Rules for single words: decimal points, decimals, dwells, spindle; and blocks that never run.
 
-use super::Findings;
+use super::findings::Findings;
 use crate::machine::{Controller, Dialect};
 use crate::nc::lex::{Fault, Word};
 use crate::nc::listing::Listing;

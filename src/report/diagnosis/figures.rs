@@ -1,16 +1,18 @@
 //! Pictures before and after.
 
-use super::facts::{BinFacts, DiagnosisFacts, FindingFacts, PictureFacts, ViewFacts};
-use super::html::share;
-use crate::report::numbers::fixed;
-use crate::report::svg::text_width;
-use crate::report::svg_chart::{Axis, Chart};
-use crate::report::ticks::enclosing;
+use super::facts::{DiagnosisFacts, FindingFacts};
+use crate::diagnose::{Bin, Kind, Picture, View};
+use crate::report::draw::chart::{Axis, Chart};
+use crate::report::draw::svg::text_width;
+use crate::report::draw::ticks::enclosing;
+use crate::report::text::numbers::{fixed, share};
 
 const WIDTH: f64 = 480.0;
 const HEIGHT: f64 = 200.0;
 /// Room above the curves for the title, as a share of the range.
 const HEADROOM: f64 = 0.22;
+/// Figures are in um.
+const UM: f64 = 1e3;
 /// Half the width of a band of uncertainty, sigmas.
 const BAND: f64 = 2.0;
 /// Bins that lie farther apart than so many of the usual steps have a gap between them.
@@ -25,13 +27,13 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
 }
 
 /// A view: before in grey, after in colour with its band.
-pub(super) fn view(of: &ViewFacts) -> String {
+pub(super) fn view(of: &View) -> String {
     let bins = &of.bins;
-    let spectrum = of.kind == "spectrum";
-    let values = bins.iter().flat_map(|bin| [bin.before_um, bin.after_um]);
+    let spectrum = of.kind == Kind::Spectrum;
+    let values = bins.iter().flat_map(|bin| [bin.before_mm * UM, bin.after_mm * UM]);
     let bands = bins.iter().flat_map(|bin| {
-        let half = BAND * bin.sigma_um;
-        if spectrum { [half, 0.0] } else { [bin.after_um + half, bin.after_um - half] }
+        let half = BAND * (bin.sigma_mm * UM);
+        if spectrum { [half, 0.0] } else { [bin.after_mm * UM + half, bin.after_mm * UM - half] }
     });
     let along = if of.counted.is_empty() { String::new() } else { format!(", {}", of.counted) };
     let (what, variable) = if spectrum {
@@ -47,22 +49,22 @@ pub(super) fn view(of: &ViewFacts) -> String {
     for piece in pieces(bins) {
         let edge = |side: f64| -> Vec<(f64, f64)> {
             let each = piece.iter().map(|bin| {
-                let half = BAND * bin.sigma_um;
+                let half = BAND * (bin.sigma_mm * UM);
                 let y = match (spectrum, side > 0.0) {
                     (true, true) => half,
                     (true, false) => 0.0,
-                    (false, _) => bin.after_um + side * half,
+                    (false, _) => bin.after_mm * UM + side * half,
                 };
                 (bin.center, y)
             });
             each.collect()
         };
-        let line = |of: fn(&BinFacts) -> f64| -> Vec<(f64, f64)> {
+        let line = |of: fn(&Bin) -> f64| -> Vec<(f64, f64)> {
             piece.iter().map(|bin| (bin.center, of(bin))).collect()
         };
         chart.band(&edge(-1.0), &edge(1.0), "band");
-        chart.line(&line(|bin| bin.before_um), "before");
-        chart.line(&line(|bin| bin.after_um), "after");
+        chart.line(&line(|bin| bin.before_mm * UM), "before");
+        chart.line(&line(|bin| bin.after_mm * UM), "after");
     }
     chart.title(&format!(
         "{} of the variance before, {} after",
@@ -73,7 +75,7 @@ pub(super) fn view(of: &ViewFacts) -> String {
 }
 
 /// Stretches without a gap: no line is drawn over what has no samples.
-fn pieces(bins: &[BinFacts]) -> impl Iterator<Item = &[BinFacts]> {
+fn pieces(bins: &[Bin]) -> impl Iterator<Item = &[Bin]> {
     let mut steps: Vec<f64> = bins.windows(2).map(|pair| pair[1].center - pair[0].center).collect();
     steps.sort_by(f64::total_cmp);
     let longest = GAP * steps.get(steps.len() / 2).copied().unwrap_or(0.0);
@@ -85,7 +87,7 @@ fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {
 }
 
 /// What was found by itself: dots with what is left around it, line as it was fitted.
-pub(super) fn picture(finding: &FindingFacts, of: &PictureFacts) -> String {
+pub(super) fn picture(finding: &FindingFacts, of: &Picture) -> String {
     let points = &of.points;
     let values = points.iter().flat_map(|p| [p.measured, p.fitted]);
     let knots = || finding.feature.iter().flat_map(|feature| feature.knots.iter().copied());
@@ -116,7 +118,8 @@ pub(super) fn gains(facts: &DiagnosisFacts) -> Option<String> {
     if runs.is_empty() || runs.len() > MOST_RUNS {
         return None;
     }
-    let values = runs.iter().flat_map(|run| [run.before_um, run.after_um, run.floor_um]);
+    let values =
+        runs.iter().flat_map(|run| [run.before_mm * UM, run.after_mm * UM, run.floor_mm * UM]);
     let (_, high) = enclosing(values.chain([0.0]), 5);
     let slot = 84.0_f64.min(900.0 / runs.len() as f64);
     let width = (60.0 + slot * runs.len() as f64).max(240.0);
@@ -126,11 +129,13 @@ pub(super) fn gains(facts: &DiagnosisFacts) -> Option<String> {
     let fit = runs.iter().all(|run| 1.15 * text_width(&run.run) < slot - 6.0);
     for (k, run) in runs.iter().enumerate() {
         let from = k as f64;
-        chart.bar(from + 0.14, from + 0.38, run.before_um, "bar was");
-        chart.bar(from + 0.38, from + 0.62, run.after_um, "bar");
-        chart.bar(from + 0.62, from + 0.86, run.floor_um, "bar least");
+        chart.bar(from + 0.14, from + 0.38, run.before_mm * UM, "bar was");
+        chart.bar(from + 0.38, from + 0.62, run.after_mm * UM, "bar");
+        chart.bar(from + 0.62, from + 0.86, run.floor_mm * UM, "bar least");
         let name = if fit { run.run.clone() } else { fixed(from + 1.0, 0) };
         chart.below(from + 0.5, &name);
     }
-    Some(chart.finish("residual of every run before, after, and what does not repeat"))
+    Some(
+        chart.finish("residual of every run before and after, and its part that is not repeatable"),
+    )
 }

@@ -3,15 +3,14 @@
 use askama::Template;
 
 use super::facts::{DiagnosisFacts, FindingFacts};
-use super::verdict::percent;
 use super::{figures, terminal};
 use crate::error::{Error, Kind, Result};
-use crate::report::html::fine;
-use crate::report::numbers::{fixed, typeset};
-use crate::report::units::{engineering, row_decimals};
+use crate::report::text::numbers::{fixed, percent, share, typeset};
+use crate::report::text::units::{engineering, row_decimals};
+use crate::report::text::words::fine;
 
-/// A share that rounds to nothing is told as nothing.
-const NOTHING: f64 = 5e-4;
+/// Tables are in um.
+const UM: f64 = 1e3;
 
 #[derive(Template)]
 #[template(path = "diagnosis.html")]
@@ -41,7 +40,7 @@ struct Told<'a> {
 /// The section, as HTML without a page around it.
 pub(in crate::report) fn section(facts: &DiagnosisFacts) -> Result<String> {
     let section = Section {
-        verdict: facts.verdict.iter().map(|line| fine(line)).collect(),
+        verdict: facts.verdict.sentences().map(fine).collect(),
         findings: facts.findings.iter().map(told).collect(),
         gains: figures::gains(facts).filter(|_| !facts.findings.is_empty()),
         runs: runs(facts),
@@ -52,8 +51,8 @@ pub(in crate::report) fn section(facts: &DiagnosisFacts) -> Result<String> {
                 [
                     program.runs.join(", "),
                     fixed(program.feed_mm_min, 0),
-                    fixed(program.before_um, 3),
-                    fixed(program.after_um, 3),
+                    fixed(program.before_mm * UM, 3),
+                    fixed(program.after_mm * UM, 3),
                 ]
             })
             .collect(),
@@ -71,13 +70,13 @@ pub(in crate::report) fn section(facts: &DiagnosisFacts) -> Result<String> {
 fn told(finding: &FindingFacts) -> Told<'_> {
     Told {
         numbers: typeset_minus(&fine(&finding.told)),
-        size: fixed(finding.rms_um, 3),
+        size: fixed(finding.rms_mm * UM, 3),
         others: terminal::others(finding),
         picture: finding.picture.as_ref().map(|picture| figures::picture(finding, picture)),
         caption: if finding.named {
-            "The effect by itself: dots with what is left around it (band: two standard deviations), line as it was fitted."
+            "The effect alone. Line: as fitted. Dots: with the residual added (band: two standard deviations)."
         } else {
-            "The curve by itself: small dots with what is left around it (band: two standard deviations), line and its knots as fitted, without what the model spans anyway."
+            "The curve alone, without the part that the model contains. Line and its knots: as fitted. Small dots: with the residual added (band: two standard deviations)."
         },
         facts: finding,
     }
@@ -88,19 +87,14 @@ fn typeset_minus(text: &str) -> String {
     text.replace(" -", " −")
 }
 
-/// A share as percent, nothing where chance made it negative.
-pub(super) fn share(of: f64) -> String {
-    if of < NOTHING { "0 %".into() } else { format!("{} %", fixed(100.0 * of, 1)) }
-}
-
 fn runs(facts: &DiagnosisFacts) -> Vec<[String; 6]> {
     let each = facts.runs.iter().enumerate().map(|(k, run)| {
         [
             (k + 1).to_string(),
             run.run.clone(),
-            fixed(run.before_um, 3),
-            fixed(run.after_um, 3),
-            fixed(run.floor_um, 3),
+            fixed(run.before_mm * UM, 3),
+            fixed(run.after_mm * UM, 3),
+            fixed(run.floor_mm * UM, 3),
             run.explained.map_or("–".into(), |share| format!("{} %", percent(share))),
         ]
     });
@@ -134,10 +128,10 @@ fn arcs(facts: &DiagnosisFacts) -> Vec<[String; 6]> {
         [
             arc.name.clone(),
             fixed(arc.feed_mm_min, 0),
-            fixed(arc.before_um, 3),
-            fixed(arc.after_um, 3),
-            shown(arc.structure_share_before),
-            shown(arc.structure_share_after),
+            fixed(arc.before_mm * UM, 3),
+            fixed(arc.after_mm * UM, 3),
+            shown(arc.structure_before),
+            shown(arc.structure_after),
         ]
     });
     each.collect()

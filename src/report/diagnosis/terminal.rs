@@ -1,15 +1,19 @@
-//! What the model gets wrong, as plain text of at most [`WIDTH`](crate::report::text::WIDTH) columns.
+//! What the model gets wrong, as plain text of at most [`WIDTH`](crate::report::text::layout::WIDTH) columns.
 
-use super::facts::{DiagnosisFacts, FindingFacts, RivalFacts};
-use super::verdict::percent;
-use crate::report::numbers::{decimals, fixed};
-use crate::report::text::{paragraph, table};
-use crate::report::units::{engineering, row_decimals};
+use super::facts::{DiagnosisFacts, FindingFacts};
+use super::words::shortened;
+use crate::diagnose::{Rival, Told};
+use crate::report::text::layout::{paragraph, table};
+use crate::report::text::numbers::{fixed, percent};
+use crate::report::text::units::{engineering, row_decimals};
+
+/// Tables are in um.
+const UM: f64 = 1e3;
 
 /// Everything: verdict, findings, gain, coefficients that moved, what cannot be seen.
 pub fn diagnosis_text(facts: &DiagnosisFacts) -> String {
     let mut text = String::new();
-    for line in &facts.verdict {
+    for line in facts.verdict.sentences() {
         paragraph(&mut text, "", line);
     }
     if !facts.findings.is_empty() {
@@ -21,7 +25,7 @@ pub fn diagnosis_text(facts: &DiagnosisFacts) -> String {
     text.push_str(&gains(facts));
     text.push_str(&moved(facts));
     if !facts.unseen.is_empty() {
-        text.push_str("\nWhat these runs cannot tell\n");
+        text.push_str("\nWhat these runs cannot show\n");
         for sentence in &facts.unseen {
             paragraph(&mut text, "  - ", sentence);
         }
@@ -29,7 +33,7 @@ pub fn diagnosis_text(facts: &DiagnosisFacts) -> String {
     if !facts.left_out.is_empty() {
         text.push_str("\nRuns that were left out\n");
         for run in &facts.left_out {
-            paragraph(&mut text, "  - ", &format!("{}: {}", run.run, run.reason));
+            paragraph(&mut text, "  - ", &format!("{}: {}", run.runs, run.reason));
             if let Some(hint) = &run.hint {
                 paragraph(&mut text, "    hint: ", hint);
             }
@@ -41,10 +45,7 @@ pub fn diagnosis_text(facts: &DiagnosisFacts) -> String {
 /// Verdict and findings, for the end of a summary.
 pub(in crate::report) fn in_short(facts: &DiagnosisFacts) -> String {
     let mut text = String::new();
-    let further = if facts.findings.is_empty() { 0 } else { 2 };
-    for line in
-        facts.verdict.iter().take(1 + facts.wrong_settings.len() + facts.off_times.len() + further)
-    {
+    for line in facts.verdict.in_short() {
         paragraph(&mut text, "  ", line);
     }
     for (k, finding) in facts.findings.iter().enumerate() {
@@ -63,7 +64,7 @@ pub(in crate::report) fn in_short(facts: &DiagnosisFacts) -> String {
 /// What it is with its numbers and its size.
 pub(super) fn headline(finding: &FindingFacts) -> String {
     if finding.named {
-        let size = format!("{} um rms of the residual", fixed(finding.rms_um, 3));
+        let size = format!("{} um rms of the residual", fixed(finding.rms_mm * UM, 3));
         let parts = [finding.told.as_str(), &size];
         let parts: Vec<&str> = parts.into_iter().filter(|part| !part.is_empty()).collect();
         format!("{}: {}.", finding.title, parts.join("; "))
@@ -80,23 +81,22 @@ fn full(text: &mut String, number: usize, finding: &FindingFacts) {
     for sentence in others(finding) {
         paragraph(text, "     ", &sentence);
     }
+    if !finding.owner.is_all() {
+        paragraph(text, "     in           ", &finding.owner.to_string());
+    }
     let parts = [
-        ("in           ", finding.owner.as_str()),
-        ("comes from   ", finding.source),
-        ("what to do   ", finding.remedy),
-        ("taken for    ", finding.taken_for),
+        ("     comes from   ", finding.source),
+        ("     what to do   ", finding.remedy),
+        ("     mistaken for ", finding.taken_for),
     ];
-    for (lead, words) in parts {
-        let usual = words == "all runs";
-        if !usual && !words.is_empty() {
-            paragraph(text, &format!("     {lead}"), words);
-        }
+    for (lead, words) in parts.into_iter().filter(|(_, words)| !words.is_empty()) {
+        paragraph(text, lead, words);
     }
     if !finding.named {
         paragraph(
             text,
             "     what to do   ",
-            "no cause of the library explains it: look at the machine there; the curve may join the model as it is, labelled empirical",
+            "no known cause explains it: inspect the machine there; the curve can join the model, marked as empirical",
         );
     }
     for effect in &finding.effects {
@@ -104,53 +104,40 @@ fn full(text: &mut String, number: usize, finding: &FindingFacts) {
     }
 }
 
-/// An effect as it is written, with five digits of each number.
-fn shortened(effect: &str) -> String {
-    let short = |part: &str| -> String {
-        let Some((key, value)) = part.split_once('=') else { return part.to_owned() };
-        let Ok(number) = value.parse::<f64>() else { return part.to_owned() };
-        let text = fixed(number, decimals(number, 5));
-        let text = if text.contains('.') {
-            text.trim_end_matches('0').trim_end_matches('.')
-        } else {
-            &text
-        };
-        format!("{key}={text}")
-    };
-    effect.split(',').map(short).collect::<Vec<_>>().join(",")
-}
-
 /// What else it could be, in sentences.
 pub(super) fn others(finding: &FindingFacts) -> Vec<String> {
-    let of = |told: &'static str| -> Vec<&RivalFacts> {
+    let of = |told: Told| -> Vec<&Rival> {
         finding.rivals.iter().filter(|rival| rival.told == told).collect()
     };
-    let names = |rivals: &[&RivalFacts]| {
-        rivals.iter().map(|rival| rival.name.as_str()).collect::<Vec<_>>().join(", ")
-    };
+    let names =
+        |rivals: &[&Rival]| rivals.iter().map(|rival| rival.name()).collect::<Vec<_>>().join(", ");
     let mut told = Vec::new();
-    let same = of("same");
+    let same = of(Told::Same);
     if !same.is_empty() {
         told.push(format!(
-            "Cannot be told from {} with these runs: they leave the same trace.",
+            "Cannot be distinguished from {} with these runs: the readings would be the same.",
             names(&same)
         ));
     }
-    let undecided = of("undecided");
+    let undecided = of(Told::Undecided);
     if let Some(first) = undecided.first() {
         told.push(format!(
-            "Not decided by these runs, within the noise: {} (explains {} % of that).",
+            "Not distinguished within the noise: {} (explains {} % of the same).",
             names(&undecided),
             percent_of(first)
         ));
     }
-    if let Some(next) = of("apart").first() {
-        told.push(format!("Next best: {} explains {} % of that.", next.name, percent_of(next)));
+    if let Some(next) = of(Told::Apart).first() {
+        told.push(format!(
+            "Next best: {} explains {} % of the same.",
+            next.name(),
+            percent_of(next)
+        ));
     }
     told
 }
 
-fn percent_of(rival: &RivalFacts) -> String {
+fn percent_of(rival: &Rival) -> String {
     fixed(100.0 * rival.share, 1)
 }
 
@@ -160,32 +147,32 @@ fn gains(facts: &DiagnosisFacts) -> String {
         return text;
     }
     text.push_str(if facts.runs.len() > 1 {
-        "\nGain on every run, with what the other repeats say, um rms\n"
+        "\nResidual of every run, with the effects as fitted to the other repeats, um rms\n"
     } else {
-        "\nGain, um rms\n"
+        "\nResidual, um rms\n"
     });
-    let head = ["run", "before", "after", "does not repeat", "explained"];
+    let head = ["run", "before", "after", "not repeatable", "explained"];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for run in &facts.runs {
         rows.push(vec![
             run.run.clone(),
-            fixed(run.before_um, 3),
-            fixed(run.after_um, 3),
-            fixed(run.floor_um, 3),
+            fixed(run.before_mm * UM, 3),
+            fixed(run.after_mm * UM, 3),
+            fixed(run.floor_mm * UM, 3),
             run.explained.map_or("-".into(), |share| format!("{} %", percent(share))),
         ]);
     }
     text.push_str(&table(&rows, "lrrrr"));
     if !facts.programs.is_empty() {
-        text.push_str("\nForetold from the runs of the other programs, um rms\n");
+        text.push_str("\nPredicted from the runs of the other programs, um rms\n");
         let head = ["runs", "feed", "before", "after"];
         let mut rows = vec![head.map(str::to_owned).to_vec()];
         for program in &facts.programs {
             rows.push(vec![
                 program.runs.join(", "),
                 format!("{} mm/min", fixed(program.feed_mm_min, 0)),
-                fixed(program.before_um, 3),
-                fixed(program.after_um, 3),
+                fixed(program.before_mm * UM, 3),
+                fixed(program.after_mm * UM, 3),
             ]);
         }
         text.push_str(&table(&rows, "lrrr"));
@@ -197,9 +184,8 @@ fn moved(facts: &DiagnosisFacts) -> String {
     if facts.moved.is_empty() {
         return String::new();
     }
-    let mut text = String::from(
-        "\nCoefficients that the missing effects had moved by more than their sigma\n",
-    );
+    let mut text =
+        String::from("\nCoefficients that change by more than their sigma with the effects\n");
     let head = ["name", "before", "after", "sigma", "unit"];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for moved in &facts.moved {

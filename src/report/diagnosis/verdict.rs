@@ -1,64 +1,115 @@
 //! Is anything wrong? The verdict, a sentence an entry.
 
-use super::facts::{DiagnosisFacts, OffTimeFacts, StructureFacts, WrongSettingFacts};
-use crate::report::numbers::{fixed, many};
+use serde::{Serialize, Serializer};
+
+use super::settings::WrongSettingFacts;
+use crate::diagnose::{Diagnosis, Finding, OffCause, OffTime, Structure, Verdict};
+use crate::report::text::numbers::{fixed, many, percent};
 
 /// Structure of less than so many of its standard deviations may be chance.
 const BEYOND_CHANCE: f64 = 3.0;
 
-/// The verdict, the gravest first.
-pub(super) fn of(facts: &DiagnosisFacts) -> Vec<String> {
-    let mut told = vec![first(facts)];
-    told.extend(facts.wrong_settings.iter().map(setting));
-    told.extend(facts.off_times.iter().map(off_time));
-    if !facts.findings.is_empty() {
-        told.push(found(facts));
-        if let (Some(share), Some([low, high])) = (facts.explained, facts.explained_interval) {
-            told.push(format!(
-                "Explained on {}: {} % of what repeats, 95 % interval {} to {} %.",
-                if facts.runs.len() > 1 { "runs that took no part" } else { "the run itself" },
-                percent(share),
-                percent(low),
-                percent(high)
-            ));
-        }
-        told.push(format!(
-            "Compensated or repaired, the residual of {} um rms would be {} um.",
-            fixed(facts.before_um, 3),
-            fixed(facts.after_um, 3)
-        ));
-    }
-    told.push(format!(
-        "Residual noise {} um, of neighbouring readings {} um; effects below {} um rms would not have been named.",
-        fixed(facts.after_um, 3),
-        fixed(facts.neighbours_um, 3),
-        fixed(facts.smallest_um, 3)
-    ));
-    told
+/// The verdict, sentence by sentence, in the order in which they are read: the gravest first.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct VerdictFacts {
+    /// How much of the residual repeats, or is left.
+    pub structure: String,
+    /// What the machine file or the test file states wrong, a sentence a setting.
+    pub wrong_settings: Vec<String>,
+    /// Runs whose feed or clock is not as stated, a sentence a run.
+    pub off_times: Vec<String>,
+    /// How many effects were found; `None` where there are none.
+    pub found: Option<String>,
+    /// What share they explain; `None` where nothing was found or the share is not known.
+    pub explained: Option<String>,
+    /// What the residual would be without them; `None` where there are none.
+    pub repaired: Option<String>,
+    /// What is left, and what would not have been seen.
+    pub noise: String,
 }
 
-fn first(facts: &DiagnosisFacts) -> String {
-    match (&facts.structure_before, facts.findings.is_empty()) {
-        (None, true) => format!(
-            "Nothing found that the model does not explain; of the {} um rms that it leaves, no repeat tells what is noise.",
-            fixed(facts.before_um, 3)
-        ),
+impl VerdictFacts {
+    /// The verdict on a diagnosis with the settings that are stated wrong, in words.
+    pub(super) fn new(diagnosis: &Diagnosis, wrong_settings: &[WrongSettingFacts]) -> Self {
+        let all = &diagnosis.verdict;
+        let something = !diagnosis.findings.is_empty();
+        Self {
+            structure: structure(all, something),
+            wrong_settings: wrong_settings.iter().map(setting).collect(),
+            off_times: diagnosis.off_times.iter().map(off_time).collect(),
+            found: something.then(|| found(&diagnosis.findings)),
+            explained: explained(all, diagnosis.runs.len()).filter(|_| something),
+            repaired: something.then(|| {
+                format!(
+                    "After compensation or repair, the residual of {} um rms would be {} um rms.",
+                    um(all.before_mm),
+                    um(all.after_mm)
+                )
+            }),
+            noise: format!(
+                "Residual noise: {} um rms; between neighbouring readings: {} um rms. Effects below {} um rms would not have been named.",
+                um(all.after_mm),
+                um(all.neighbours_mm),
+                um(all.smallest_mm)
+            ),
+        }
+    }
+
+    /// All sentences.
+    pub fn sentences(&self) -> impl Iterator<Item = &str> {
+        let gain = [&self.explained, &self.repaired].into_iter().flatten();
+        self.what_is_wrong().chain(gain.map(String::as_str)).chain([self.noise.as_str()])
+    }
+
+    /// The sentences of a summary: what is wrong, and what share of it is explained.
+    pub(super) fn in_short(&self) -> impl Iterator<Item = &str> {
+        let gain = self.explained.as_deref().or(self.repaired.as_deref());
+        self.what_is_wrong().chain(gain)
+    }
+
+    fn what_is_wrong(&self) -> impl Iterator<Item = &str> {
+        let stated = self.wrong_settings.iter().chain(&self.off_times).map(String::as_str);
+        [self.structure.as_str()].into_iter().chain(stated).chain(self.found.as_deref())
+    }
+}
+
+/// A list of its sentences.
+impl Serialize for VerdictFacts {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.sentences())
+    }
+}
+
+/// A length in um with three decimals.
+fn um(mm: f64) -> String {
+    fixed(mm * 1e3, 3)
+}
+
+fn structure(all: &Verdict, something_found: bool) -> String {
+    match (&all.structure_before, something_found) {
         (None, false) => format!(
-            "The model leaves {} um rms, the extended model {} um; no repeat tells what of it is noise.",
-            fixed(facts.before_um, 3),
-            fixed(facts.after_um, 3)
+            "Nothing was found that the model does not explain. The residual is {} um rms. No program ran twice: its repeatable part is unknown.",
+            um(all.before_mm)
         ),
-        (Some(before), true) if significant(before) => format!(
-            "{} um rms of structure repeats that the model does not explain, too little to name its cause.",
+        (None, true) => format!(
+            "The residual is {} um rms with the model and {} um rms with the extended model. No program ran twice: its repeatable part is unknown.",
+            um(all.before_mm),
+            um(all.after_mm)
+        ),
+        (Some(before), false) if significant(before) => format!(
+            "The repeatable part of the residual is {} um rms. It is too small to name its cause.",
             rms(before)
         ),
-        (Some(before), true) => {
-            format!("The model explains all but {} um of what repeats.", rms(before))
-        }
         (Some(before), false) => {
-            let after = facts.structure_after.unwrap_or(*before);
             format!(
-                "{} um rms of structure repeats that the model does not explain; the extended model leaves {} um.",
+                "The model explains the readings: the repeatable part of the residual is {} um rms.",
+                rms(before)
+            )
+        }
+        (Some(before), true) => {
+            let after = all.structure_after.unwrap_or(*before);
+            format!(
+                "The repeatable part of the residual is {} um rms. With the extended model it is {} um rms.",
                 rms(before),
                 rms(&after)
             )
@@ -66,50 +117,61 @@ fn first(facts: &DiagnosisFacts) -> String {
     }
 }
 
+fn explained(all: &Verdict, runs: usize) -> Option<String> {
+    let [low, high] = all.explained_interval?;
+    Some(format!(
+        "Explained on {}: {} % of the repeatable part of the residual (95 % interval {} to {} %).",
+        if runs > 1 { "runs that were not fitted" } else { "the fitted run itself" },
+        percent(all.explained?),
+        percent(low),
+        percent(high)
+    ))
+}
+
 fn setting(of: &WrongSettingFacts) -> String {
     format!(
-        "{}. So the residual is {} um rms instead of {} um; all that follows is with it put right.",
+        "{}. With this correction the residual is {} um rms instead of {} um rms. All that follows includes the correction.",
         of.told,
-        fixed(of.after_um, 3),
-        fixed(of.before_um, 3)
+        um(of.setting.after_mm),
+        um(of.setting.before_mm)
     )
 }
 
-fn off_time(of: &OffTimeFacts) -> String {
+fn off_time(of: &OffTime) -> String {
     let percent = format!("{} +- {} %", fixed(of.percent, 2), fixed(of.sigma_percent, 2));
     let stated = fixed(of.stated_percent, 0);
     let ppm = fixed(of.clock_ppm, 0);
-    if of.cause == "feed-override" {
+    if of.cause == OffCause::FeedOverride {
         format!(
-            "Time of {}: the feed override stood at {percent}, not at {stated} % as the test file has it: say `feed_override_percent = {}` in the run. A clock that is off by {ppm} ppm would do the same.",
+            "Time of {}: the feed override was {percent}, not {stated} % as the test file states. Write `feed_override_percent = {}` in the run. A clock error of {ppm} ppm would have the same effect.",
             of.run,
             fixed(of.percent, 1),
         )
     } else {
         format!(
-            "Time of {}: the clock is off by {ppm} ppm, more than the test file allows: say `clock_ppm` of the ball bar as it is. A feed override of {percent} would do the same.",
+            "Time of {}: the clock is off by {ppm} ppm, more than the test file allows. Write the real `clock_ppm` of the ball bar. A feed override of {percent} would have the same effect.",
             of.run
         )
     }
 }
 
 /// Whether the structure is more than chance and large enough to matter.
-fn significant(of: &StructureFacts) -> bool {
-    of.variance_um2 > BEYOND_CHANCE * of.sigma_um2
+fn significant(of: &Structure) -> bool {
+    of.variance_mm2 > BEYOND_CHANCE * of.sigma_mm2
 }
 
 /// With as many decimals as keep it from being none, and at the least what two sigma of chance would be.
-fn rms(of: &StructureFacts) -> String {
-    let least = (2.0 * of.sigma_um2).max(0.0).sqrt();
-    if of.variance_um2 < 2.0 * of.sigma_um2 {
-        return format!("at most {}", fixed(least, 3));
+fn rms(of: &Structure) -> String {
+    if of.variance_mm2 < 2.0 * of.sigma_mm2 {
+        let least_mm = (2.0 * of.sigma_mm2).max(0.0).sqrt();
+        return format!("at most {}", um(least_mm));
     }
-    fixed(of.rms_um, 3)
+    um(of.rms_mm())
 }
 
-fn found(facts: &DiagnosisFacts) -> String {
-    let named = facts.findings.iter().filter(|finding| finding.named).count();
-    let unexplained = facts.findings.len() - named;
+fn found(findings: &[Finding]) -> String {
+    let named = findings.iter().filter(|finding| finding.named()).count();
+    let unexplained = findings.len() - named;
     let mut parts = Vec::new();
     if named > 0 {
         parts.push(format!("{} named", many(named, "cause")));
@@ -118,9 +180,4 @@ fn found(facts: &DiagnosisFacts) -> String {
         parts.push(format!("{} without a cause", many(unexplained, "curve")));
     }
     format!("Found: {}.", parts.join(", "))
-}
-
-/// A share as percent; what is not quite all is not told as all.
-pub(super) fn percent(share: f64) -> String {
-    fixed((1000.0 * share.clamp(-1.0, 1.0)).floor() / 10.0, 1)
 }

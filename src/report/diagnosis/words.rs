@@ -1,11 +1,9 @@
 //! Effects in words.
 
-use crate::diagnose::WrongSetting;
-use crate::machine::{Axis, Machine, Pivot};
-use crate::model::{AMPLITUDE, Ball, Component, Effect, Power, Seat};
-use crate::report::numbers::{decimals, fixed};
-
-use super::facts::NumberFacts;
+use crate::diagnose::Number;
+use crate::machine::{Axis, Machine};
+use crate::model::{AMPLITUDE, Ball, Component, Effect, Kind, Power, Seat};
+use crate::report::text::numbers::{decimals, fixed};
 
 /// Common multiples of sample rates are looked for up to so many times the fastest.
 const MOST_FOLDS: u32 = 12;
@@ -15,26 +13,32 @@ const DRIFT_MIN: f64 = 15.0;
 /// A period is a part of a pitch within this share of it, however well it is known.
 const NEAR_A_PITCH: f64 = 2e-3;
 
-/// What a seat is, behind its name: `EXX (positioning of X)`; empty for the whole.
+/// A seat with what it is: `EXX (positioning of X)`; empty for the whole.
 pub(super) fn seat(seat: Seat) -> String {
-    let what = match seat {
-        Seat::Function(slide, component) => function(slide, component),
-        Seat::Slide(axis) => return axis.to_string(),
+    match (what(seat), seat) {
+        (Some(what), _) => format!("{seat} ({what})"),
+        (None, Seat::Bar) => "the bar".into(),
+        (None, _) => seat.to_string(),
+    }
+}
+
+/// What a seat is, where its name does not say it.
+pub(super) fn what(seat: Seat) -> Option<String> {
+    match seat {
+        Seat::Function(slide, component) => Some(function(slide, component)),
         Seat::Ball(set_up) => {
             let ball = match set_up.ball {
                 Ball::Tool => "tool ball",
                 Ball::Workpiece => "workpiece ball",
             };
-            format!("{ball} in {}", set_up.axis)
+            Some(format!("{ball} in {}", set_up.axis))
         }
         Seat::Coefficient(of) if of.power == Power::P1 && along(of.slide, of.component) => {
-            format!("scale of {}", of.slide)
+            Some(format!("scale of {}", of.slide))
         }
-        Seat::Coefficient(of) => function(of.slide, of.component),
-        Seat::Bar => return "the bar".into(),
-        Seat::Whole => return String::new(),
-    };
-    format!("{seat} ({what})")
+        Seat::Coefficient(of) => Some(function(of.slide, of.component)),
+        Seat::Slide(_) | Seat::Bar | Seat::Whole => None,
+    }
 }
 
 fn along(slide: Axis, component: Component) -> bool {
@@ -52,45 +56,21 @@ fn function(slide: Axis, component: Component) -> String {
     }
 }
 
-/// What a file states wrong, and what to write instead.
-pub(super) fn setting(wrong: &WrongSetting, machine: &Machine) -> String {
-    match wrong.effect.seat {
-        Seat::Slide(slide) => {
-            let (is, instead) = match machine.slide(slide).pivot {
-                Pivot::Carriage => ("carriage", "base"),
-                Pivot::Base => ("base", "carriage"),
-            };
-            format!(
-                "The pivot of {slide} is not on the {is}, as the machine file has it: say `pivot = \"{instead}\"`"
-            )
+/// An effect as `simulate --hide` takes it, with five digits of each number.
+pub(super) fn shortened(effect: &Effect) -> String {
+    let short = |number: f64| {
+        let text = fixed(number, decimals(number, 5));
+        if text.contains('.') {
+            text.trim_end_matches('0').trim_end_matches('.').to_owned()
+        } else {
+            text
         }
-        place => {
-            let sigma_mm = wrong.sigma_mm.unwrap_or(0.0);
-            let places = decimals(sigma_mm, 2);
-            let mounting = match wrong.effect.get("mounting") {
-                0.0 => "every mounting".to_owned(),
-                number => format!("mounting no. {number}"),
-            };
-            let key = match place {
-                Seat::Ball(of) if of.ball == Ball::Tool => "tool_ball_mm",
-                _ => "coincidence_mm",
-            };
-            format!(
-                "The {} lies {} +- {} mm from where the test file has it in {mounting}: read `{key}` from the control again",
-                seat(place).split_once('(').map_or("ball", |(_, what)| what.trim_end_matches(')')),
-                fixed(wrong.effect.get("offset_mm"), places),
-                fixed(sigma_mm, places)
-            )
-        }
-    }
-}
-
-/// A text that begins a sentence.
-pub(super) fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| {
-        first.to_uppercase().collect::<String>() + letters.as_str()
-    })
+    };
+    let on = Some(format!("on={}", effect.seat)).filter(|_| effect.seat != Seat::Whole);
+    let numbers =
+        effect.written().into_iter().map(|(key, value)| format!("{key}={}", short(value)));
+    let parts: Vec<String> = on.into_iter().chain(numbers).collect();
+    format!("{}:{}", effect.cause.id, parts.join(","))
 }
 
 /// Units at the ends of names, with their signs.
@@ -108,12 +88,12 @@ const UNITS: [(&str, &str); 10] = [
 ];
 
 /// `amplitude 1.201 +- 0.002 um, period 10.0000 +- 0.0003 mm`.
-pub(super) fn numbers(numbers: &[NumberFacts]) -> String {
+pub(super) fn numbers(numbers: &[Number]) -> String {
     let told: Vec<String> = numbers.iter().map(number).collect();
     told.join(", ")
 }
 
-fn number(number: &NumberFacts) -> String {
+fn number(number: &Number) -> String {
     // Of several amplitudes: which one.
     let (name, which) = number.name.split_once(' ').unwrap_or((&number.name, ""));
     let (name, unit) = UNITS
@@ -139,24 +119,24 @@ fn number(number: &NumberFacts) -> String {
 }
 
 /// What follows from a cause's numbers, in sentences.
-pub(super) fn remarks(effect: &Effect, numbers: &[NumberFacts], machine: &Machine) -> Vec<String> {
-    match (effect.cause.id, effect.seat) {
-        ("cyclic", Seat::Function(axis, _)) => vec![screw(effect, numbers, machine, axis)],
-        ("servo", Seat::Slide(axis)) => {
+pub(super) fn remarks(effect: &Effect, numbers: &[Number], machine: &Machine) -> Vec<String> {
+    match (effect.cause.kind, effect.seat) {
+        (Kind::Cyclic, Seat::Function(axis, _)) => vec![screw(effect, numbers, machine, axis)],
+        (Kind::Servo, Seat::Slide(axis)) => {
             let delay_ms = 1e3 * effect.get("delay_ms");
             let how = if delay_ms < 0.0 { "less" } else { "more" };
             let size_ms = delay_ms.abs();
             vec![format!(
-                "{axis} lags {} ms {how} than the slides that are not named; what all have in common shows as a delay of the log.",
+                "{axis} lags {} ms {how} than the axes that are not named. A lag that all axes share appears as a delay of the log.",
                 fixed(size_ms, decimals(size_ms, 3).min(3))
             )]
         }
-        ("drift", _) => {
+        (Kind::Drift, _) => {
             let minutes = effect.get("time_constant_s") / 60.0;
             let (unit, si) = effect.seat.amplitude_unit();
             let first = -effect.get(AMPLITUDE) / si * (-DRIFT_MIN / minutes).exp_m1();
             vec![format!(
-                "In the first {DRIFT_MIN} min {} {}; 95 % of all is there after {} min.",
+                "In the first {DRIFT_MIN} min it reaches {} {}; 95 % of the whole is reached after {} min.",
                 fixed(first, decimals(first, 3)),
                 unit.replace("um_m", "um/m"),
                 fixed(3.0 * minutes, usize::from(minutes < 3.0))
@@ -186,10 +166,10 @@ pub(super) fn aliases(frequency_hz: f64, rates_hz: &[f64]) -> Option<String> {
 }
 
 /// Which part of the screw's pitch a period is.
-fn screw(effect: &Effect, numbers: &[NumberFacts], machine: &Machine, axis: Axis) -> String {
+fn screw(effect: &Effect, numbers: &[Number], machine: &Machine, axis: Axis) -> String {
     let Some(pitch_mm) = machine.slide(axis).screw_pitch_mm else {
         return format!(
-            "The machine file does not say the pitch of the screw of {axis} (`screw_pitch_mm`)."
+            "The machine file does not state the pitch of the {axis} screw (`screw_pitch_mm`)."
         );
     };
     let period_mm = effect.get("period_mm");
@@ -200,17 +180,18 @@ fn screw(effect: &Effect, numbers: &[NumberFacts], machine: &Machine, axis: Axis
         let off_mm = (times * period_mm - pitch_mm).abs();
         if off_mm < (3.0 * times * sigma_mm).max(NEAR_A_PITCH * pitch_mm) {
             return format!(
-                "The period is {words}the pitch of the screw of {axis}, {pitch_mm} mm: {}.",
+                "The period is {words}the pitch of the {axis} screw, {pitch_mm} mm: {}.",
                 match times as usize {
-                    1 => "once a turn, as of a screw that runs out".to_owned(),
-                    times =>
-                        format!("{times} times a turn, as of its bearing, coupling or encoder"),
+                    1 => "once per turn of the screw, as from its run-out".to_owned(),
+                    times => format!(
+                        "{times} times per turn of the screw, as from its bearing, coupling or encoder"
+                    ),
                 }
             );
         }
     }
     format!(
-        "The period is no simple part of the pitch of the screw of {axis}, {pitch_mm} mm: look at the scale and what else turns with the drive."
+        "The period is no simple part of the pitch of the {axis} screw, {pitch_mm} mm. Check the scale and what else turns with the drive."
     )
 }
 
@@ -219,8 +200,8 @@ fn screw(effect: &Effect, numbers: &[NumberFacts], machine: &Machine, axis: Axis
 mod tests {
     use super::*;
 
-    fn of(name: &str, value: f64, sigma: Option<f64>) -> NumberFacts {
-        NumberFacts { name: name.into(), value, sigma }
+    fn of(name: &str, value: f64, sigma: Option<f64>) -> Number {
+        Number { name: name.into(), value, sigma }
     }
 
     #[test]
@@ -242,7 +223,7 @@ mod tests {
     fn a_period_is_held_against_the_screw() {
         let machine = Machine::read("machines/hu40t.toml".as_ref()).unwrap();
         for (period, told) in [
-            (10.0, "the pitch of the screw of X"),
+            (10.0, "the pitch of the X screw"),
             (5.004, "half the pitch"),
             (2.5, "a quarter of the pitch"),
             (7.7, "no simple part"),

@@ -20,8 +20,8 @@ mod settings;
 #[cfg(test)]
 mod tests;
 
-use super::Scenario;
 use super::random::{Purpose, Stream};
+use super::scenario::Scenario;
 use crate::error::{Error, Result};
 use crate::model::Effect;
 

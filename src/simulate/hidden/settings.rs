@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use crate::machine::{Machine, Mounting, Pivot};
 use crate::model::{Ball, Effect, Seat};
-use crate::simulate::Scenario;
+use crate::simulate::scenario::Scenario;
 
 /// The scenario with the coefficients, the feed override and the clock that are hidden.
 pub(crate) fn settings_of(scenario: &Scenario) -> Scenario {

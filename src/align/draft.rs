@@ -1,0 +1,134 @@
+//! A log laid over a program at one feed: what belongs to what, before the samples have their places.
+
+use std::ops::Range;
+
+use super::engagement::{self, Engagement};
+use super::ramp::{self, Mark, MarkKind};
+use super::run::Run;
+use super::samples::Alignment;
+use super::time_map::TimeMap;
+use super::{section, stops};
+use crate::error::Result;
+use crate::log::Log;
+use crate::motion::{Reversals, Trajectory};
+
+/// Standard deviation of an offset that was found from standstill alone, s.
+const STANDSTILL_SIGMA_S: f64 = 1.0;
+
+/// A log laid over a program at one feed.
+pub(super) struct Draft {
+    pub(super) trajectory: Trajectory,
+    /// The engagements that the program makes.
+    engagements: Vec<Engagement>,
+    /// For each engagement the readings of the log.
+    stretches: Vec<Range<usize>>,
+    pub(super) marks: Vec<Mark>,
+    pub(super) time_map: TimeMap,
+}
+
+impl Draft {
+    /// The time map from engagements and releases; `feed` is the real feed as a share of the programmed one.
+    ///
+    /// # Errors
+    /// When the stretches in which the log `observed` something are not the engagements of the program.
+    pub(super) fn new(run: &Run, observed: &[Range<usize>], feed: f64) -> Result<Self> {
+        let trajectory = Trajectory::new(run.program, run.rig.machine, feed);
+        let engagements = engagement::expected(&trajectory, &run.rig);
+        let stretches =
+            engagement::pair(run.log, &engagements, observed, &trajectory, run.feed_override)?;
+        let mut time_map = TimeMap::new(&trajectory, middle_s(run.log, &stretches));
+        let mut marks = Vec::new();
+        for (stretch, engagement) in stretches.iter().zip(&engagements) {
+            for kind in [MarkKind::Engagement, MarkKind::Release] {
+                marks.push(ramp::mark(run, &trajectory, engagement, stretch, kind));
+            }
+        }
+        time_map.fit_marks(&marks, run.rig.bar.clock_tolerance);
+        Ok(Self { trajectory, engagements, stretches, marks, time_map })
+    }
+
+    /// Finds the operator's pauses inside the engagements by the readings that stand still.
+    pub(super) fn find_pauses(&mut self, log: &Log) {
+        for (stretch, engagement) in self.stretches.iter().zip(&self.engagements) {
+            self.marks.extend(find_pauses(&mut self.time_map, log, stretch, engagement));
+        }
+    }
+
+    /// Gives the readings of the engagements their places in the program.
+    pub(super) fn laid(self, run: &Run) -> Alignment {
+        let readings = self
+            .stretches
+            .iter()
+            .flat_map(|stretch| &run.log.readings()[stretch.clone()])
+            .filter(|reading| reading.deviation_mm.is_some());
+        let first_s = run.log.readings().first().map_or(0.0, |reading| reading.time_s);
+        let (began_log_s, began_sigma_s) = self.time_map.began(first_s);
+        let mut alignment = Alignment {
+            began_log_s,
+            began_sigma_s,
+            reversals: Reversals::of(&self.trajectory),
+            sections: section::sections(&self.trajectory, &run.rig),
+            readings: readings.copied().collect(),
+            trajectory: self.trajectory,
+            time_map: self.time_map,
+            marks: self.marks,
+            engagements: self.engagements,
+            samples: Vec::new(),
+            sample_period_s: run.log.sample_period_s(),
+            coincidence_mm: run.rig.mounting.coincidence_mm,
+        };
+        alignment.place_samples();
+        alignment
+    }
+}
+
+/// The middle of what was measured, on the log's clock, s.
+fn middle_s(log: &Log, stretches: &[Range<usize>]) -> f64 {
+    let time = |index: usize| log.readings()[index].time_s;
+    match (stretches.first(), stretches.last()) {
+        (Some(first), Some(last)) => 0.5 * (time(first.start) + time(last.end - 1)),
+        _ => 0.0,
+    }
+}
+
+/// Offsets of the legs inside one engagement, between the pauses that the log shows, and the marks that
+/// they are.
+fn find_pauses(
+    time_map: &mut TimeMap,
+    log: &Log,
+    stretch: &Range<usize>,
+    engagement: &Engagement,
+) -> Vec<Mark> {
+    let mut marks = Vec::new();
+    if engagement.stops == 0 {
+        return marks;
+    }
+    let first_leg = time_map.leg_of(engagement.start_s);
+    let last_leg = first_leg + engagement.stops;
+    let inner: Vec<f64> = time_map.stops_s()[first_leg..last_leg].to_vec();
+    let edges: Vec<f64> = std::iter::once(engagement.start_s)
+        .chain(inner)
+        .chain(std::iter::once(engagement.end_s))
+        .collect();
+    let scale = 1.0 / (1.0 + time_map.rate);
+    let stretches_s: Vec<f64> = edges.windows(2).map(|e| (e[1] - e[0]) * scale).collect();
+    let start_s = time_map.log_time_s(engagement.start_s, first_leg);
+    let end_s = time_map.log_time_s(engagement.end_s, last_leg);
+    let lengths_s = stops::pauses_s(log, stretch, start_s, &stretches_s, end_s);
+    for (k, length_s) in lengths_s.iter().enumerate() {
+        let leg = first_leg + k + 1;
+        if leg < last_leg {
+            time_map.offsets_s[leg] = time_map.offsets_s[leg - 1] + length_s / scale;
+            time_map.offset_sigmas_s[leg] = STANDSTILL_SIGMA_S;
+            let program_s = time_map.stops_s()[leg - 1];
+            marks.push(Mark {
+                log_s: time_map.log_time_s(program_s, leg),
+                program_s,
+                sigma_s: STANDSTILL_SIGMA_S,
+                kind: MarkKind::Standstill,
+                samples: 0,
+            });
+        }
+    }
+    marks
+}

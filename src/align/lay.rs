@@ -1,0 +1,125 @@
+//! From a log and a program to an alignment: the feed that really was, then the places of the samples.
+
+use std::ops::Range;
+
+use super::draft::Draft;
+use super::engagement;
+use super::ramp::{Mark, MarkKind};
+use super::run::Run;
+use super::samples::Alignment;
+use super::time_map::TimeMap;
+use crate::error::{Error, Kind, Place, Result};
+use crate::log::Log;
+
+/// Rounds in which the feed is estimated from the times of engagement and release.
+const MOST_ROUNDS: usize = 3;
+
+/// Lays a log over the program that ran.
+///
+/// # Errors
+/// When the log does not belong to the program, with the reason.
+pub fn align(run: &Run) -> Result<Alignment> {
+    let observed = engagement::observed(run.log, run.rig.bar);
+    let (mut draft, excess) = at_real_feed(run, &observed)?;
+    refuse_inconsistent(run.log, &draft.time_map, &draft.marks)?;
+    draft.find_pauses(run.log);
+    draft.time_map.override_excess = excess.share;
+    draft.time_map.override_sigma = excess.sigma;
+    Ok(draft.laid(run))
+}
+
+/// By how much the real feed differs from the programmed one times the stated override.
+#[derive(Debug, Clone, Copy, Default)]
+struct Excess {
+    /// As a share of 1.
+    share: f64,
+    /// Its standard deviation; 0 where it was not estimated.
+    sigma: f64,
+}
+
+/// The log laid over the program at the feed that really was: what the clock cannot explain is the feed,
+/// unless it was lost at one place. What is left after some rounds is what it is.
+fn at_real_feed(run: &Run, observed: &[Range<usize>]) -> Result<(Draft, Excess)> {
+    let clock_tolerance = run.rig.bar.clock_tolerance;
+    let mut excess = Excess::default();
+    let mut draft = Draft::new(run, observed, run.feed_override)?;
+    for round in 0..MOST_ROUNDS {
+        let unexplained = draft.time_map.rate.abs() > 1.5 * clock_tolerance;
+        if !unexplained {
+            break;
+        }
+        // The clock's tolerance would hold the rate back.
+        draft.time_map.fit_marks(&draft.marks, f64::INFINITY);
+        let (rate, rate_sigma) = (draft.time_map.rate, draft.time_map.rate_sigma);
+        let total = draft.trajectory.duration();
+        let share = total.known_s() / total.feed_s.max(1e-9);
+        excess = Excess {
+            share: (1.0 + excess.share) * (1.0 + rate * share) - 1.0,
+            sigma: clock_tolerance.hypot(rate_sigma) * share,
+        };
+        if round == 0 {
+            let longer_s = rate.abs() * draft.trajectory.end_s();
+            draft.time_map = draft.time_map.at_equal_rates(&draft.marks);
+            refuse_step(run.log, &draft.laid(run), longer_s)?;
+        }
+        draft = Draft::new(run, observed, run.feed_override * (1.0 + excess.share))?;
+    }
+    Ok((draft, excess))
+}
+
+/// Engagements and releases of one leg fit a straight map to some ms; more than this is lost time, s.
+const INCONSISTENT_S: f64 = 0.05;
+
+/// Refuses a log whose engagements and releases do not fit one clock and one feed.
+fn refuse_inconsistent(log: &Log, time_map: &TimeMap, marks: &[Mark]) -> Result<()> {
+    let off_s = |mark: &Mark| {
+        time_map.on_leg_s(mark.log_s, time_map.leg_of(mark.program_s)) - mark.program_s
+    };
+    let worst = marks.iter().max_by(|a, b| off_s(a).abs().total_cmp(&off_s(b).abs()));
+    let Some(mark) = worst.filter(|m| off_s(m).abs() > INCONSISTENT_S.max(4.0 * m.sigma_s)) else {
+        return Ok(());
+    };
+    let what = if mark.kind == MarkKind::Engagement { "engagement" } else { "release" };
+    Err(Error::new(
+        Kind::Mismatch,
+        format!(
+            "the {what} at {:.2} s of the log is {:.2} s off from where the others put it: one clock and one feed do not explain them all",
+            mark.log_s,
+            off_s(mark).abs()
+        ),
+    )
+    .at(Place::file(log.file()))
+    .hint("take the log as the instrument wrote it, from a run that was not interrupted"))
+}
+
+/// Refuses a log that differs from the program by `longer_s` when most of it was lost at one place: no
+/// feed override does that.
+fn refuse_step(log: &Log, probe: &Alignment, longer_s: f64) -> Result<()> {
+    let Some(step) = probe.time_step(longer_s + 0.5) else { return Ok(()) };
+    if step.lost_s.abs() < 0.5 * longer_s {
+        return Ok(());
+    }
+    let name = |index: usize| &probe.sections[index].name;
+    let (what, hint) = if step.lost_s > 0.0 {
+        (
+            "is missing from the log, without a gap in its times",
+            "take the log as the instrument wrote it; readings must not be cut out of it",
+        )
+    } else {
+        (
+            "is in the log and not in the program",
+            "the machine stood or the feed was held there; repeat the run, or write an M00 into the program",
+        )
+    };
+    Err(Error::new(
+        Kind::Mismatch,
+        format!(
+            "between the middle of `{}` and that of `{}`, {:.1} s {what}",
+            name(step.before),
+            name(step.after),
+            step.lost_s.abs()
+        ),
+    )
+    .at(Place::file(log.file()))
+    .hint(hint))
+}

@@ -1,0 +1,10 @@
+//! What it is worth: the gain, the numbers with their uncertainty, what moved, what nobody can see.
+
+pub(super) mod arcs;
+pub(super) mod gain;
+pub(super) mod left_out;
+pub(super) mod model_file;
+pub(super) mod moved;
+pub(super) mod numbers;
+pub(super) mod times;
+pub(super) mod unseen;

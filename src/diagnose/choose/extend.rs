@@ -1,0 +1,125 @@
+//! The extended model: every repeat identified again with the effects held, and the effects fitted again
+//! about that.
+//!
+//! The search is linear about the first identification. Coefficients and times that were biased by what was
+//! missing move here through the exact chain, and the effects with them.
+
+use rayon::prelude::*;
+
+use super::found::Chosen;
+use crate::error::Result;
+use crate::identify::Campaign;
+use crate::machine::Machine;
+use crate::model::{Form, Held};
+use crate::plan::Test;
+use crate::residual::{self, Beside, Column, Element, Fitted, Owner, Residuals};
+
+/// A change of the sum of squares by less than this part of the gain is none.
+const SETTLED: f64 = 1e-3;
+/// Identified anew so often at most.
+const MOST_ROUNDS: usize = 3;
+
+/// What came of it.
+pub(crate) struct Extended {
+    pub(crate) campaign: Campaign,
+    /// Linear about the extended model, its residuals those without the effects.
+    pub(crate) residuals: Residuals,
+    pub(crate) chosen: Chosen,
+}
+
+/// Identifies with the effects held, and fits the effects again, until nothing moves.
+pub(crate) fn extend(
+    test: &Test,
+    machine: &Machine,
+    campaign: &Campaign,
+    chosen: Chosen,
+) -> Result<Option<Extended>> {
+    let Chosen { mut fitted, rivals } = chosen;
+    let mut last: Option<(Campaign, Residuals)> = None;
+    for _ in 0..MOST_ROUNDS {
+        let held = held(campaign, &fitted);
+        let Ok(extended) = campaign.with_held(test, machine, held) else { break };
+        let about = Residuals::of(test, machine, &extended)?;
+        let left_mm2 = about.alone().left_mm2();
+        let effects = sum(&fitted, &about);
+        let about = about.plus(&effects);
+        let alone = about.alone();
+        let Some(again) = fit(&alone, &fitted.elements) else { break };
+        let moved_mm2 = left_mm2 - (alone.left_mm2() - again.gain_mm2);
+        drop(alone);
+        fitted = again;
+        last = Some((extended, about));
+        if moved_mm2.abs() < SETTLED * fitted.gain_mm2 {
+            break;
+        }
+    }
+    let chosen = Chosen { fitted, rivals };
+    Ok(last.map(|(campaign, residuals)| Extended { campaign, residuals, chosen }))
+}
+
+/// What a delay in common is multiplied by to see whether another fits better.
+const FACTORS: [f64; 6] = [0.7, 0.85, 0.95, 1.05, 1.18, 1.4];
+
+/// The effects fitted to data about themselves. The time of a log moves with the delay that all slides have
+/// in common, so this is found in steps, with the times fitted between them.
+fn fit(about: &Beside, elements: &[Element]) -> Option<Fitted> {
+    let fitted = residual::fit(about, elements.to_vec())?;
+    let Some(common) = elements.iter().position(Element::is_common_delay) else {
+        return Some(fitted);
+    };
+    let tried = FACTORS.par_iter().filter_map(|factor| {
+        let mut elements = elements.to_vec();
+        if let Form::Cause(shape) = &mut elements[common].form {
+            shape.inner = shape.inner.map(|delay_s| delay_s * factor);
+        }
+        residual::fit(about, elements)
+    });
+    let tried: Vec<Fitted> = tried.collect();
+    tried.into_iter().chain([fitted]).max_by(|a, b| a.gain_mm2.total_cmp(&b.gain_mm2))
+}
+
+/// The effects with their amplitudes at the samples of other residuals than they were fitted to, mm.
+fn sum(fitted: &Fitted, about: &Residuals) -> Column {
+    let mut sum = about.zeros();
+    for (element, amplitudes) in fitted.elements.iter().zip(&fitted.amplitudes) {
+        for (amplitude, column) in amplitudes.iter().zip(element.columns(about)) {
+            sum.add(*amplitude, &column);
+        }
+    }
+    sum
+}
+
+/// The effects as each repeat has them.
+fn held(campaign: &Campaign, fitted: &Fitted) -> Vec<Vec<Held>> {
+    let mut held: Vec<Vec<Held>> = vec![Vec::new(); campaign.repeats.len()];
+    for (element, amplitudes) in fitted.elements.iter().zip(&fitted.amplitudes) {
+        let count = element.term().parameter_count();
+        let mut own = amplitudes.chunks(count);
+        for (index, repeat) in campaign.repeats.iter().enumerate() {
+            let mountings = repeat.runs.iter().map(|run| run.mounting + 1).max().unwrap_or(0);
+            for (run, input) in repeat.runs.iter().enumerate() {
+                let mut by_mounting = vec![Vec::new(); mountings];
+                by_mounting[input.mounting] = of_run(element, index, run, amplitudes, &mut own);
+                let form = element.in_run(index, run);
+                held[index].push(Held { form, amplitudes: by_mounting });
+            }
+        }
+    }
+    held
+}
+
+/// The amplitudes that one run has; `own` goes on from run to run.
+fn of_run(
+    element: &Element,
+    repeat: usize,
+    run: usize,
+    all: &[f64],
+    own: &mut std::slice::Chunks<'_, f64>,
+) -> Vec<f64> {
+    match element.owner {
+        Owner::All => all.to_vec(),
+        Owner::EachRun => own.next().unwrap_or_default().to_vec(),
+        Owner::One { repeat: its, run: of } if (its, of) == (repeat, run) => all.to_vec(),
+        Owner::One { .. } => Vec::new(),
+    }
+}

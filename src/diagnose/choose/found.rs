@@ -1,0 +1,52 @@
+//! What a search has chosen, and what else it could be.
+
+use serde::{Serialize, Serializer};
+
+use crate::model::Shape;
+use crate::residual::{Element, Fitted};
+
+/// Another explanation of the same.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Rival {
+    /// What else it could be.
+    #[serde(rename = "name", serialize_with = "name")]
+    pub element: Element,
+    /// What it explains of what the named one does.
+    pub share: f64,
+    /// How far these runs tell them apart.
+    pub told: Told,
+}
+
+impl Rival {
+    /// What it is called, such as `cyclic EBX 10 mm`; empty of a curve without a cause.
+    pub fn name(&self) -> String {
+        self.element.shape().map_or_else(String::new, Shape::name)
+    }
+}
+
+fn name<S: Serializer>(element: &Element, serializer: S) -> Result<S::Ok, S::Error> {
+    match element.shape() {
+        Some(shape) => serializer.serialize_str(&shape.name()),
+        None => serializer.serialize_str(""),
+    }
+}
+
+/// Whether two explanations can be told apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Told {
+    /// They are the same in these runs, whatever the noise.
+    Same,
+    /// They differ by less than the noise does.
+    Undecided,
+    /// The other one explains less.
+    Apart,
+}
+
+/// What was found.
+#[derive(Debug)]
+pub(crate) struct Chosen {
+    pub(crate) fitted: Fitted,
+    /// Other explanations of each element.
+    pub(crate) rivals: Vec<Vec<Rival>>,
+}

@@ -1,0 +1,9 @@
+//! What is there: settings put right, effects chosen beside each other, the model extended by them.
+
+pub(super) mod extend;
+pub(super) mod found;
+mod rivals;
+pub(super) mod run;
+pub(super) mod search;
+pub(super) mod settings;
+mod tidy;

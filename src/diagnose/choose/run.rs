@@ -1,0 +1,57 @@
+//! The search from its first candidate to what stands.
+
+use super::found::Chosen;
+use super::search::{MOST_EFFECTS, Search};
+use crate::identify::Campaign;
+use crate::residual::{Fitted, Residuals};
+
+/// The effects that there are; `None` for none.
+pub(crate) fn chosen(residuals: &Residuals, campaign: &Campaign) -> Option<Chosen> {
+    Search::new(residuals, campaign).run()
+}
+
+impl Search<'_> {
+    fn run(&mut self) -> Option<Chosen> {
+        let mut fitted = self.forward(None, true, MOST_EFFECTS)?;
+        fitted = self.tidied(fitted)?;
+        let mut rivals = vec![Vec::new(); fitted.elements.len()];
+        let mut index = 0;
+        let mut replaced = 0;
+        while index < fitted.elements.len() {
+            let (better, others) = self.rivals(&fitted, index);
+            match better {
+                Some(better) if replaced < MOST_EFFECTS => {
+                    fitted = better;
+                    replaced += 1;
+                    // What the others are may hang on it.
+                    index = 0;
+                    rivals = vec![Vec::new(); fitted.elements.len()];
+                }
+                _ => {
+                    rivals[index] = others;
+                    index += 1;
+                }
+            }
+        }
+        // Another explanation of one effect may be a makeshift beside the others.
+        let stands = self.tidied(fitted.clone())?;
+        if stands.elements != fitted.elements {
+            fitted = stands;
+            rivals = (0..fitted.elements.len()).map(|k| self.rivals(&fitted, k).1).collect();
+        }
+        let (fitted, order) = self.by_size(fitted);
+        let rivals = order.into_iter().map(|k| std::mem::take(&mut rivals[k])).collect();
+        Some(Chosen { fitted, rivals })
+    }
+
+    /// The largest effect first.
+    fn by_size(&self, fitted: Fitted) -> (Fitted, Vec<usize>) {
+        let size_mm2 = |k| fitted.part_mm2(k, self.residuals());
+        let sizes: Vec<f64> = (0..fitted.elements.len()).map(size_mm2).collect();
+        let mut order: Vec<usize> = (0..sizes.len()).collect();
+        order.sort_by(|a, b| sizes[*b].total_cmp(&sizes[*a]));
+        let elements = order.iter().map(|&k| fitted.elements[k].clone()).collect();
+        let fitted = self.fit_all(elements).unwrap_or(fitted);
+        (fitted, order)
+    }
+}

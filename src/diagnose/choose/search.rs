@@ -1,0 +1,181 @@
+//! One step of the search: what explains most beside what is chosen already.
+//!
+//! At every step each cause of the library is tried on every seat; the one that explains most joins, and all
+//! are fitted anew. A curve of any shape over the same variables is tried as well: where even the best cause
+//! explains less than nearly all that the curve does, it is the best of bad ones, and the curve is taken
+//! instead.
+
+use rayon::prelude::*;
+
+use crate::diagnose::seek::candidate::{Candidate, Tried};
+use crate::diagnose::seek::screen::{Prospect, Screen};
+use crate::diagnose::seek::{curves, vibration};
+use crate::diagnose::thresholds::{OF_A_CURVE, SEEN, SHADOW, threshold_mm2};
+use crate::identify::Campaign;
+use crate::residual::{self, Beside, Element, Fitted, Noise, Owner, Residuals, Tuning};
+
+/// More effects than this are not looked for at once.
+pub(crate) const MOST_EFFECTS: usize = 6;
+/// Candidates that are looked at closely.
+const CLOSELY: usize = 10;
+/// And only those that explain at least this share of what the best one does.
+const WORTH_A_LOOK: f64 = 0.4;
+/// Nothing is looked at closely where the best candidate explains less than this share of what counts: the look
+/// over bins is no worse than that.
+const NEAR_WHAT_COUNTS: f64 = 0.5;
+
+/// The search, with what it looks at.
+pub(crate) struct Search<'a> {
+    /// What the model alone leaves.
+    alone: Beside<'a>,
+    screen: Screen,
+    /// How vibrations differ from run to run: all of them alike, and found once.
+    tuning: Tuning,
+    /// What was tried while nothing had been chosen.
+    pub(crate) first: Vec<Tried>,
+}
+
+impl<'a> Search<'a> {
+    pub(crate) fn new(residuals: &'a Residuals, campaign: &Campaign) -> Self {
+        let alone = residuals.alone();
+        let screen = Screen::new(&alone, campaign);
+        Self { alone, screen, tuning: Tuning::default(), first: Vec::new() }
+    }
+
+    pub(crate) fn residuals(&self) -> &'a Residuals {
+        self.alone.residuals
+    }
+
+    /// What is left beside what has been chosen.
+    pub(crate) fn beside(&self, chosen: Option<&Fitted>) -> Beside<'a> {
+        self.residuals().beside(chosen.map_or(&[], |fitted| &fitted.columns))
+    }
+
+    /// All that effects may hang on, beside what has been chosen.
+    pub(crate) fn prospect(&self, chosen: Option<&Fitted>) -> Prospect<'_> {
+        self.screen.beside(self.beside(chosen))
+    }
+
+    /// Fits effects together beside the model alone.
+    pub(crate) fn fit_all(&self, mut elements: Vec<Element>) -> Option<Fitted> {
+        for element in elements.iter_mut().filter(|element| element.owner == Owner::EachRun) {
+            element.tuning.clone_from(&self.tuning);
+        }
+        residual::fit(&self.alone, elements)
+    }
+
+    /// The same; nothing where there are none.
+    pub(crate) fn fit_others(&self, elements: Vec<Element>) -> Option<Fitted> {
+        if elements.is_empty() { None } else { self.fit_all(elements) }
+    }
+
+    /// Adds what passes to what there is, up to so many effects.
+    pub(crate) fn forward(
+        &mut self,
+        from: Option<Fitted>,
+        with_curves: bool,
+        most: usize,
+    ) -> Option<Fitted> {
+        let mut chosen = from;
+        while chosen.as_ref().map_or(0, |fitted| fitted.elements.len()) < most {
+            let Some((next, score_mm2)) = self.next(chosen.as_ref(), with_curves) else { break };
+            let curve = chosen.as_ref().map_or(0.0, |fitted| self.largest_curve(fitted));
+            if score_mm2.sqrt() < SHADOW * curve {
+                break;
+            }
+            let before = chosen.iter().flat_map(|fitted| fitted.elements.clone());
+            let Some(all) = self.fit_all(before.chain(next).collect()) else { break };
+            chosen = Some(all);
+        }
+        chosen
+    }
+
+    /// What explains most beside what has been chosen, with its score, mm².
+    pub(crate) fn next(
+        &mut self,
+        chosen: Option<&Fitted>,
+        with_curves: bool,
+    ) -> Option<(Vec<Element>, f64)> {
+        let prospect = self.screen.beside(self.beside(chosen));
+        let beside = &prospect.beside;
+        let least = threshold_mm2(beside);
+        let mut candidates = prospect.candidates(&self.tuning, least);
+        if chosen.iter().flat_map(|fitted| &fitted.elements).any(Element::is_common_delay) {
+            // Another delay that all slides have in common is a better estimate of the first one.
+            candidates.retain(|candidate| !candidate.element.is_common_delay());
+        }
+        let mut best = closely(beside, candidates, least);
+        let mut tuning = None;
+        if let Some(first) = best.first_mut().filter(|_| !self.tuning.differs())
+            && let Some(found) = vibration::tuned(beside, &first.fitted.elements[0])
+        {
+            let tuned = Element { tuning: found.clone(), ..first.fitted.elements[0].clone() };
+            if let Some(fitted) = residual::fit(beside, vec![tuned]) {
+                first.score_mm2 += fitted.gain_mm2 - first.fitted.gain_mm2;
+                first.fitted = fitted;
+            }
+            tuning = Some(found);
+        }
+        let first = best.clone();
+        let best = best.into_iter().next().filter(|best| best.score_mm2 > least);
+        let of_a_curve = |curve: &Tried| OF_A_CURVE * curve.score_mm2;
+        let curve =
+            with_curves.then(|| curves::best(beside, &prospect.looks, least, &|_| true)).flatten();
+        if let Some(tuning) = tuning {
+            self.tuning = tuning;
+        }
+        if chosen.is_none() && self.first.is_empty() {
+            self.first = first;
+        }
+        let best = match (best, curve) {
+            (Some(best), Some(curve)) if best.score_mm2 < of_a_curve(&curve) => curve,
+            (Some(best), _) => best,
+            (None, curve) => curve?,
+        };
+        Some((best.fitted.elements, best.score_mm2))
+    }
+
+    /// What else explains something in some prospect, however little; what takes long to look for only where it
+    /// may explain `least_mm2`.
+    pub(crate) fn all_in(&self, prospect: &Prospect, least_mm2: f64) -> Vec<Tried> {
+        closely(&prospect.beside, prospect.candidates(&self.tuning, least_mm2), 0.0)
+    }
+
+    /// Root of the sum of squares of the largest curve, mm; 0 where there is none.
+    pub(crate) fn largest_curve(&self, fitted: &Fitted) -> f64 {
+        let curves = (0..fitted.elements.len()).filter(|k| fitted.elements[*k].shape().is_none());
+        curves.map(|k| fitted.part_mm2(k, self.residuals()).sqrt()).fold(0.0, f64::max)
+    }
+}
+
+/// The most promising candidates fitted to the samples themselves, the best first; nothing where none
+/// comes near what counts.
+fn closely(beside: &Beside, mut candidates: Vec<Candidate>, least_mm2: f64) -> Vec<Tried> {
+    candidates.sort_by(|a, b| b.gain_mm2.total_cmp(&a.gain_mm2));
+    let best = candidates.first().map_or(0.0, |c| c.gain_mm2);
+    if best < NEAR_WHAT_COUNTS * least_mm2 {
+        return Vec::new();
+    }
+    candidates.retain(|c| c.gain_mm2 > WORTH_A_LOOK * best);
+    candidates.truncate(CLOSELY);
+    let fitted: Vec<Fitted> = candidates
+        .into_par_iter()
+        .filter_map(|candidate| {
+            let fitted = residual::fit(beside, vec![candidate.element])?;
+            let shows = fitted.share_outside > SEEN;
+            (shows && fitted.elements[0].possible(beside.residuals)).then_some(fitted)
+        })
+        .collect();
+    let Some(best) = fitted.iter().max_by(|a, b| a.gain_mm2.total_cmp(&b.gain_mm2)) else {
+        return Vec::new();
+    };
+    // What the best one explains is no noise.
+    let noise = Noise::of(beside.residuals, &best.left_mm(beside));
+    let score = |fitted: Fitted| {
+        let score_mm2 = fitted.gain_mm2 - noise.by_chance_mm2(fitted.columns.len());
+        Tried { fitted, score_mm2 }
+    };
+    let mut tried: Vec<Tried> = fitted.into_iter().map(score).collect();
+    tried.sort_by(|a, b| b.score_mm2.total_cmp(&a.score_mm2));
+    tried
+}

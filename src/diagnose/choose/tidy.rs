@@ -1,0 +1,130 @@
+//! What does not stand beside the rest: curves where causes do as well, and causes that only mend others.
+
+use super::search::Search;
+use crate::diagnose::seek::curves;
+use crate::diagnose::thresholds::{
+    FIGHTING, INSTEAD_OF_A_CURVE, OF_A_CURVE, SHADOW, SMOOTH_MM, threshold_mm2,
+};
+use crate::machine::Axis;
+use crate::model::{Form, Kind, Seat, Variable};
+use crate::residual::{Beside, Element, Fitted};
+
+impl Search<'_> {
+    /// The effects that stand.
+    pub(crate) fn tidied(&mut self, fitted: Fitted) -> Option<Fitted> {
+        let fitted = self.without_curves(fitted);
+        let fitted = self.without_makeshifts(fitted);
+        // A curve that has joined may leave more beside itself that only mends it.
+        let fitted = self.without_makeshifts(fitted);
+        self.without_shadows(fitted)
+    }
+
+    /// Causes in place of curves, where they explain as much.
+    fn without_curves(&mut self, fitted: Fitted) -> Fitted {
+        let mut best = fitted;
+        let mut index = 0;
+        while index < best.elements.len() {
+            if best.elements[index].shape().is_some() {
+                index += 1;
+                continue;
+            }
+            let mut others = best.elements.clone();
+            others.remove(index);
+            let start = self.fit_others(others);
+            let most = best.elements.len() + 1;
+            let instead = self.forward(start, false, most).filter(|tried| {
+                let beside = self.beside(Some(tried));
+                score_mm2(&beside, tried) > INSTEAD_OF_A_CURVE * score_mm2(&beside, &best)
+            });
+            match instead {
+                Some(instead) => (best, index) = (instead, 0),
+                None => index += 1,
+            }
+        }
+        best
+    }
+
+    /// A curve in place of several smooth causes over one variable that together do no better than it, and of
+    /// any beside a curve over it: waves and powers can be piled up to any bump, and frictions to any
+    /// friction.
+    fn without_makeshifts(&self, fitted: Fitted) -> Fitted {
+        let mut best = fitted;
+        let variables = Axis::ALL.map(|axis| [Variable::Position(axis), Variable::Velocity(axis)]);
+        for over in variables.into_iter().flatten() {
+            let described = best.elements.iter().any(|e| described_over(e) == Some(over));
+            // Beside a curve over a position, so is a roundness: a smooth function of all three.
+            let round = |e: &Element| e.shape().is_some_and(|s| s.cause.kind == Kind::Roundness);
+            let of_position = matches!(over, Variable::Position(_)) && described;
+            let makeshift = |e: &Element| smooth_over(e) == Some(over) || (of_position && round(e));
+            let smooth = best.elements.iter().filter(|e| makeshift(e)).count();
+            if smooth + usize::from(described) < 2 || smooth == 0 {
+                continue;
+            }
+            let kept: Vec<Element> = best
+                .elements
+                .iter()
+                .filter(|e| !makeshift(e) && described_over(e) != Some(over))
+                .cloned()
+                .collect();
+            let start = self.fit_others(kept);
+            let prospect = self.prospect(start.as_ref());
+            let found = curves::best(&prospect.beside, &prospect.looks, 0.0, &|curve| {
+                !curve.with_sense && curve.variable == over
+            });
+            let Some(curve) = found else { continue };
+            let before = start.iter().flat_map(|fitted| fitted.elements.clone());
+            let elements = before.chain(curve.fitted.elements).collect();
+            let Some(instead) = self.fit_all(elements) else { continue };
+            let beside = self.beside(Some(&instead));
+            // Where a curve is needed anyway, nothing smooth over the same is named beside it.
+            if described || score_mm2(&beside, &instead) > OF_A_CURVE * score_mm2(&beside, &best) {
+                best = instead;
+            }
+        }
+        best
+    }
+
+    /// Without the causes that are small beside a curve: what a curve leaves of an effect that nobody knows
+    /// is no cause. Nor are those that are much larger than what all together explain: they fight others.
+    fn without_shadows(&self, fitted: Fitted) -> Option<Fitted> {
+        let size = |k: usize| fitted.part_mm2(k, self.residuals()).sqrt();
+        let largest = self.largest_curve(&fitted);
+        let most = FIGHTING * fitted.gain_mm2.max(0.0).sqrt();
+        let least = threshold_mm2(&self.beside(Some(&fitted))).sqrt();
+        let credible = |k: usize| size(k) > least.max(SHADOW * largest) && size(k) < most;
+        let kept: Vec<Element> = (0..fitted.elements.len())
+            .filter(|k| fitted.elements[*k].shape().is_none() || credible(*k))
+            .map(|k| fitted.elements[k].clone())
+            .collect();
+        if kept.len() == fitted.elements.len() || kept.is_empty() {
+            return Some(fitted);
+        }
+        self.fit_all(kept)
+    }
+}
+
+/// Gain less what the numbers gain by chance, mm², by the noise beside some effects.
+fn score_mm2(beside: &Beside, fitted: &Fitted) -> f64 {
+    fitted.gain_mm2 - beside.noise().by_chance_mm2(fitted.columns.len())
+}
+
+/// The variable over which a cause is smooth: of such causes several make any curve.
+fn smooth_over(element: &Element) -> Option<Variable> {
+    let shape = element.shape()?;
+    match (shape.cause.kind, shape.seat, shape.inner) {
+        (Kind::Degree, Seat::Function(slide, _), _) => Some(Variable::Position(slide)),
+        (Kind::Cyclic, Seat::Function(slide, _), Some(period_mm)) if period_mm > SMOOTH_MM => {
+            Some(Variable::Position(slide))
+        }
+        (Kind::StickSlip, Seat::Slide(slide), _) => Some(Variable::Velocity(slide)),
+        _ => None,
+    }
+}
+
+/// What a curve runs over, either way alike.
+fn described_over(element: &Element) -> Option<Variable> {
+    match &element.form {
+        Form::Empirical(curve) if !curve.with_sense => Some(curve.variable),
+        _ => None,
+    }
+}

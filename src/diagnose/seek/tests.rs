@@ -1,0 +1,80 @@
+//! What a look over bins and moments finds, against the columns themselves.
+
+use super::channel::Channel;
+use super::{curves, knock};
+use crate::machine::Axis;
+use crate::model::{Seat, Variable};
+use crate::residual::bench::{element, residuals, white};
+use crate::residual::{Element, Owner, Residuals, System, fit};
+
+const NOISE_MM: f64 = 1.5e-4;
+
+/// Residuals of three repeats with one of an element's columns put in.
+fn with(element: &Element, amplitude_mm: f64) -> Residuals {
+    let residuals = residuals(3, white(11, NOISE_MM));
+    let mut sum = residuals.zeros();
+    sum.add(amplitude_mm, &element.columns(&residuals)[0]);
+    residuals.plus(&sum)
+}
+
+#[test]
+fn a_channel_explains_what_the_columns_explain() {
+    let other = element("drift:on=EYt,time_constant_s=100");
+    for period_mm in [12.0, 25.0, 60.0] {
+        let wave = element(&format!("cyclic:on=EXX,period_mm={period_mm}"));
+        let residuals = with(&wave, 5e-4);
+        let position = Variable::Position(Axis::X);
+        let channels = Channel::gather(&residuals, position, false, &[Seat::parse("EXX").unwrap()]);
+        for beside in [residuals.alone(), residuals.beside(&other.columns(&residuals))] {
+            let look = channels[0].beside(&beside);
+            let turn = |at: f64| at / period_mm * std::f64::consts::TAU;
+            let sine = look.centers.iter().map(|at| turn(*at).sin()).collect();
+            let cosine = look.centers.iter().map(|at| turn(*at).cos()).collect();
+            let binned = look.explained(&[sine, cosine], 1e-6).unwrap();
+            let exact = System::of(&beside, &wave);
+            // Half a millimetre of a bin is a fraction of a wave: sinc² of it.
+            let gain_mm2 = exact.gain_mm2(&beside).unwrap();
+            let most = (0.25 * std::f64::consts::TAU / period_mm).powi(2);
+            assert!((binned.gain_mm2 / gain_mm2 - 1.0).abs() < most + 1e-3, "{period_mm} mm");
+            assert!((binned.share_outside / exact.share_outside() - 1.0).abs() < 0.02);
+        }
+    }
+}
+
+#[test]
+fn a_knock_is_found_in_its_run_at_its_moment() {
+    let mut step = element("knock:on=EXt,moment_s=70");
+    step.owner = Owner::One { repeat: 1, run: 0 };
+    let residuals = with(&step, 2e-3);
+    let alone = residuals.alone();
+    let found = knock::candidates(&alone);
+    let best = found.iter().max_by(|a, b| a.gain_mm2.total_cmp(&b.gain_mm2)).unwrap();
+    assert_eq!(best.element.owner, step.owner);
+    let shape = best.element.shape().unwrap();
+    assert_eq!(shape.seat, Seat::parse("EXt").unwrap());
+    assert!((shape.inner.unwrap() - 70.0).abs() < 0.11, "{shape:?}");
+    // The sums back from the end of the run are those of the column.
+    let exact = fit(&alone, vec![best.element.clone()]).unwrap();
+    assert!((best.gain_mm2 / exact.gain_mm2 - 1.0).abs() < 1e-4);
+    let sigma_mm = NOISE_MM * exact.inverse[(0, 0)].sqrt();
+    assert!((exact.amplitudes[0][0] - 2e-3).abs() < 4.0 * sigma_mm);
+}
+
+#[test]
+fn a_curve_follows_what_no_cause_describes() {
+    // A wave this long is a smooth curve, too.
+    let wave = element("cyclic:on=EXX,period_mm=90");
+    let residuals = with(&wave, 1e-3);
+    let alone = residuals.alone();
+    let seats = [Seat::parse("EXX").unwrap(), Seat::parse("EYY").unwrap()];
+    let channels: Vec<Channel> = [Axis::X, Axis::Y]
+        .into_iter()
+        .flat_map(|axis| Channel::gather(&residuals, Variable::Position(axis), false, &seats))
+        .collect();
+    let looks: Vec<_> = channels.iter().map(|channel| channel.beside(&alone)).collect();
+    let best = curves::best(&alone, &looks, 0.0, &|_| true).unwrap();
+    let curve = best.fitted.elements[0].curve().unwrap();
+    assert_eq!((curve.seat, curve.variable), (seats[0], Variable::Position(Axis::X)));
+    let whole = System::of(&alone, &wave).gain_mm2(&alone).unwrap();
+    assert!(best.score_mm2 > 0.98 * whole, "{} of {whole}", best.score_mm2);
+}

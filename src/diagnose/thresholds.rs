@@ -1,0 +1,66 @@
+//! The numbers that decide what is named, each with its reason.
+//!
+//! Two questions are asked of an effect, and they are not the same. Is it more than chance? That is a gain against
+//! the long-run variance `v` of what is left, `noise.long_run_mm2`: an amplitude that is not there gains `v` on
+//! average, and `k v` with the probability of a normal variable beyond `sqrt(k)` sigma. And is it large enough to
+//! tell causes apart, and for anybody to act? That is a size against the noise of a reading.
+//!
+//! *Derived* says that the number follows from a probability, a geometry or a rounding. *By trial* says that it was
+//! chosen on simulated campaigns (3D6, 10 to 30 readings a second) and is a guess about all others.
+
+use crate::residual::Beside;
+
+/// An effect must gain so many times `v` to be more than chance: seven sigma, 1.5e-12 for one amplitude. The best of
+/// some thousand candidates, several amplitudes each, then reaches it in fewer than 1 of 1e7 empty campaigns.
+/// Derived, for noise whose `v` is known; what is left over is for a `v` that is not.
+const BEYOND_CHANCE: f64 = 50.0;
+/// An effect must be this large against the noise of a reading, rms, to be worth naming. By trial: of what is smaller
+/// too little shows to tell causes from one another. In a campaign of more than
+/// `50 v / (0.04 sigma²)` readings this one decides, not chance.
+const WORTH_NAMING: f64 = 0.2;
+
+/// An effect of which less than this part of its square is left outside of the model does not show: 2 % of its
+/// rms. By trial: of an effect of 10 um 0.2 um are left then, as large as the noise.
+pub(crate) const SEEN: f64 = 4e-4;
+/// A change of a setting of which less than this part of its square is left is followed by the model. By trial:
+/// one part in ten thousand of what another pivot changes, rms, still shows, because levers are long.
+pub(crate) const FOLLOWED: f64 = 1e-8;
+
+/// A cause that explains less than this share of what a curve over the same does is not named: the curve is. By trial.
+pub(crate) const OF_A_CURVE: f64 = 0.95;
+/// Causes in place of a curve explain at least this share of what the curve does. By trial; more than
+/// [`OF_A_CURVE`], because several causes can be piled up to any curve.
+pub(crate) const INSTEAD_OF_A_CURVE: f64 = 0.99;
+/// A cause smaller than this part of the largest curve, rms, is a part of what the curve describes. By trial: knots
+/// leave some percent of what is sharp.
+pub(crate) const SHADOW: f64 = 0.25;
+/// An effect so many times larger, rms, than what all effects together explain is there to cancel another. By trial.
+pub(crate) const FIGHTING: f64 = 2.0;
+/// Waves longer than this are smooth: of such, several make any curve. By trial; screws have pitches up to 20 mm.
+pub(crate) const SMOOTH_MM: f64 = 25.0;
+
+/// Two effects whose traces differ by less than this share of their squares are the same in these runs, whatever the
+/// noise. By trial: 3 % of the rms.
+pub(crate) const SAME: f64 = 1e-3;
+/// Effects whose difference is within so many of its standard deviations are not decided between. Derived: 1 in 370.
+pub(crate) const UNDECIDED_SIGMAS: f64 = 3.0;
+/// Two numbers inside that differ by less than this share are one after the fit. Derived: the screen's peaks of
+/// wave numbers are farther apart.
+pub(crate) const ONE_NUMBER: f64 = 0.02;
+
+/// A knot of a curve stays that gains so many times `v`: two sigma. Derived: 1 in 22; a knot too many costs little.
+pub(crate) const STRAIGHT: f64 = 4.0;
+/// Another frequency of a vibration in one run gains at least so many times `v`: 4.5 sigma. Derived: 1 in 130 000,
+/// where some 600 frequencies are tried in each run.
+pub(crate) const TUNED: f64 = 20.0;
+
+/// Less than this part of the variance is nothing to explain in a run. By trial.
+pub(crate) const NOTHING: f64 = 0.02;
+
+/// The smallest score that counts, mm².
+pub(crate) fn threshold_mm2(beside: &Beside) -> f64 {
+    let noise = beside.noise();
+    let chance = BEYOND_CHANCE * noise.long_run_mm2;
+    let samples = beside.residuals.samples() as f64;
+    chance.max(WORTH_NAMING * WORTH_NAMING * noise.variance_mm2 * samples)
+}

@@ -1,0 +1,43 @@
+//! What an identification is given: runs, and how to take them.
+
+use crate::align::Alignment;
+use crate::plan::Test;
+use crate::solve::Loss;
+
+/// How to identify.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Stated standard deviation of a reading, mm.
+    pub noise_mm: f64,
+    /// How far the instrument's clock may be off, as a share of 1.
+    pub clock_tolerance: f64,
+    /// Weights of far-off samples.
+    pub loss: Loss,
+    /// Of all solutions of a rank-deficient problem take the shortest, instead of refusing.
+    pub minimum_norm: bool,
+}
+
+impl Options {
+    /// What a test file says.
+    pub fn of(test: &Test) -> Self {
+        Self {
+            noise_mm: test.ball_bar().noise_mm,
+            clock_tolerance: test.ball_bar().clock_tolerance,
+            loss: test.estimation().loss,
+            minimum_norm: test.estimation().minimum_norm,
+        }
+    }
+}
+
+/// One run that takes part.
+#[derive(Debug, Clone)]
+pub struct RunInput {
+    /// Its name.
+    pub name: String,
+    /// Index of its mounting in the model.
+    pub mounting: usize,
+    /// Nominal length of the bar that was used, mm.
+    pub nominal_mm: f64,
+    /// The aligned log.
+    pub alignment: Alignment,
+}

@@ -1,0 +1,72 @@
+//! A run as it was measured: what its files hold, read once.
+
+use std::sync::Arc;
+
+use super::input::RunInput;
+use crate::align;
+use crate::error::Result;
+use crate::log::{self, Log};
+use crate::machine::Machine;
+use crate::nc;
+use crate::plan::{Run, Test};
+
+/// A log and the program that ran, before they are laid over each other.
+///
+/// Where the balls are, how long the bar is and which machine it was stand in the test and in the machine
+/// file, and both may be taken otherwise later: see [`aligned`](Self::aligned).
+#[derive(Debug, Clone)]
+pub struct MeasuredRun {
+    /// What it is called.
+    pub name: String,
+    /// Index of its mounting.
+    pub mounting: usize,
+    /// Where the override knob stood, as a share of 1.
+    pub feed_override: f64,
+    /// What the instrument read.
+    pub log: Log,
+    /// What the machine was told; runs of one program share it.
+    pub source: Arc<nc::Source>,
+}
+
+impl MeasuredRun {
+    /// Reads the files of a run of a test.
+    ///
+    /// # Errors
+    /// When a file cannot be read or the log is none.
+    pub fn read(test: &Test, run: &Run) -> Result<Self> {
+        Ok(Self {
+            name: run.name.clone(),
+            mounting: run.mounting,
+            feed_override: run.feed_override,
+            log: log::read(&run.log, &test.log_format_of(run.mounting))?,
+            source: Arc::new(nc::Source::read(&run.program)?),
+        })
+    }
+
+    /// The log laid over the program as this test and this machine have it; nothing is read anew.
+    ///
+    /// # Errors
+    /// When the program cannot be followed, or the log does not belong to it.
+    pub fn aligned(&self, test: &Test, machine: &Machine) -> Result<RunInput> {
+        let mut reading = nc::Reading::of(machine);
+        for mounting in test.mountings() {
+            reading.work_offsets_mm.insert(mounting.work_offset, mounting.mounting.coincidence_mm);
+        }
+        // Two mountings may use the same offset, one after the other: the run's own counts.
+        let mounting = &test.mountings()[self.mounting];
+        reading.work_offsets_mm.insert(mounting.work_offset, mounting.mounting.coincidence_mm);
+        let bar = test.bar_of(self.mounting);
+        let alignment = align::align(&align::Run {
+            log: &self.log,
+            program: &self.source.program(&reading)?,
+            rig: align::Rig { machine, mounting: &mounting.mounting, bar: &bar },
+            feed_override: self.feed_override,
+        })?;
+        Ok(RunInput {
+            name: self.name.clone(),
+            mounting: self.mounting,
+            nominal_mm: bar.length_mm,
+            alignment,
+        })
+    }
+}

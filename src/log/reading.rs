@@ -1,0 +1,85 @@
+//! A log and its readings.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// One sample of a log.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reading {
+    /// Time on the instrument's clock, s.
+    pub time_s: f64,
+    /// Length minus nominal length, mm, positive outward; `None` while the bar is out of range.
+    pub deviation_mm: Option<f64>,
+    /// Line of the file, counted from 1.
+    pub line: usize,
+}
+
+/// A log: at least two samples, their times finite and strictly increasing, at least one in range.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Log {
+    file: PathBuf,
+    readings: Vec<Reading>,
+    period_s: f64,
+}
+
+impl Log {
+    /// A step longer than this many sample periods is a gap: a sample or more is missing in it.
+    pub const GAP_PERIODS: f64 = 1.5;
+
+    /// Takes over readings for which the reader has established what [`Log`] promises.
+    pub(super) fn new(file: &Path, readings: Vec<Reading>) -> Self {
+        let mut steps: Vec<f64> =
+            readings.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
+        let middle = steps.len() / 2;
+        let period_s = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+        Self { file: file.to_path_buf(), readings, period_s }
+    }
+
+    /// The file it was read from, as the user named it.
+    pub fn file(&self) -> &Path {
+        &self.file
+    }
+
+    /// All samples, in and out of range.
+    pub fn readings(&self) -> &[Reading] {
+        &self.readings
+    }
+
+    /// The sample period in s: the median of the time steps, so that gaps do not count.
+    ///
+    /// It is as coarse as the times in the file: 30 samples a second, written with four decimals,
+    /// give 0.0333.
+    pub fn sample_period_s(&self) -> f64 {
+        self.period_s
+    }
+
+    /// Time from the first to the last sample, s.
+    pub fn span_s(&self) -> f64 {
+        match (self.readings.first(), self.readings.last()) {
+            (Some(first), Some(last)) => last.time_s - first.time_s,
+            _ => 0.0,
+        }
+    }
+
+    /// Maximal runs of samples in range without a gap between them, as indices into
+    /// [`Log::readings`].
+    pub fn in_range_intervals(&self) -> Vec<Range<usize>> {
+        let longest_s = Self::GAP_PERIODS * self.period_s;
+        let mut intervals: Vec<Range<usize>> = Vec::new();
+        for (k, reading) in self.readings.iter().enumerate() {
+            if reading.deviation_mm.is_none() {
+                continue;
+            }
+            match intervals.last_mut() {
+                Some(run)
+                    if run.end == k
+                        && reading.time_s - self.readings[k - 1].time_s <= longest_s =>
+                {
+                    run.end = k + 1;
+                }
+                _ => intervals.push(k..k + 1),
+            }
+        }
+        intervals
+    }
+}

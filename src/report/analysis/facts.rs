@@ -1,0 +1,407 @@
+//! Everything that is told, as plain numbers with their units in the names of the fields.
+//!
+//! The schema is documented field by field in `docs/analysis-schema.md`.
+
+use serde::Serialize;
+
+use super::machine_errors::MachineErrors;
+use super::means::MeanResult;
+use crate::error::{Error, Kind, Result};
+use crate::report::diagnosis::facts::DiagnosisFacts;
+use crate::solve::Loss;
+
+/// The results of a test.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Analysis {
+    /// Name and version of the format: `ballbar.analysis/1`.
+    pub format: &'static str,
+    /// Version of the program that wrote it.
+    pub program_version: &'static str,
+    /// What was tested.
+    pub test: TestFacts,
+    /// On which machine.
+    pub machine: MachineFacts,
+    /// With what.
+    pub ball_bar: BallBarFacts,
+    /// Name of the strategy; `None` where the test file has no plan.
+    pub strategy: Option<String>,
+    /// The terms that were asked for: names of sets, of coefficients and of set-up errors.
+    pub terms: Vec<String>,
+    /// How far-off samples were weighted: `off`, `huber` or `tukey`.
+    pub loss: Loss,
+    /// Whether confounded terms were allowed and the shortest solution taken.
+    pub minimum_norm: bool,
+    /// One entry a repeat: runs that were identified together.
+    pub repeats: Vec<RepeatResult>,
+    /// Every parameter over the repeats.
+    pub over_repeats: Vec<MeanResult>,
+    /// Squareness, scale and reversal errors in people's units.
+    pub machine_errors: MachineErrors,
+    /// What the model gets wrong; `None` where nobody looked.
+    pub diagnosis: Option<DiagnosisFacts>,
+    /// What a reader should know before he believes the numbers.
+    pub cautions: Vec<String>,
+}
+
+impl Analysis {
+    /// The text of `analysis.json`: keys in fixed order, numbers at full precision, a final newline.
+    pub fn to_json(&self) -> Result<String> {
+        let mut text = serde_json::to_string_pretty(self).map_err(|error| {
+            Error::new(Kind::Output, format!("the analysis cannot be written as JSON: {error}"))
+        })?;
+        text.push('\n');
+        Ok(text)
+    }
+
+    /// All runs of all repeats, in order.
+    pub fn runs(&self) -> impl Iterator<Item = &RunResult> {
+        self.repeats.iter().flat_map(|repeat| &repeat.runs)
+    }
+
+    /// A parameter over the repeats.
+    pub fn over_repeats(&self, name: &str) -> Option<&MeanResult> {
+        self.over_repeats.iter().find(|mean| mean.name == name)
+    }
+}
+
+/// The test.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TestFacts {
+    /// Its name.
+    pub name: String,
+    /// The test file as the user named it.
+    pub file: String,
+    /// SHA-256 of the text of the test file, in hexadecimal.
+    pub sha256: String,
+    /// Where the balls were.
+    pub mountings: Vec<MountingFacts>,
+}
+
+/// A mounting.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MountingFacts {
+    /// Its name.
+    pub name: String,
+    /// Machine coordinates at which both ball centres coincide, mm.
+    pub coincidence_mm: [f64; 3],
+    /// Tool ball in the frame of the last slide on the tool side, mm.
+    pub tool_ball_mm: [f64; 3],
+    /// Nominal length of the bar, mm.
+    pub bar_length_mm: f64,
+}
+
+/// The machine.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MachineFacts {
+    /// Its name.
+    pub name: String,
+    /// The machine file as it was found.
+    pub file: String,
+    /// The chain from workpiece to tool, such as `wCBXFZYSt`.
+    pub topology: String,
+    /// Where each slide turns.
+    pub pivots: Pivots,
+}
+
+/// Where each slide turns when it has an angular error: `carriage` or `base`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Pivots {
+    /// The X slide.
+    pub x: &'static str,
+    /// The Y slide.
+    pub y: &'static str,
+    /// The Z slide.
+    pub z: &'static str,
+}
+
+/// The instrument, as the test file states it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct BallBarFacts {
+    /// Nominal length where a mounting names none of its own, mm.
+    pub length_mm: f64,
+    /// It reads up to this much either way, mm.
+    pub range_mm: f64,
+    /// Smallest step of a reading, um.
+    pub resolution_um: f64,
+    /// Standard deviation of one reading, um.
+    pub noise_um: f64,
+    /// Samples a second.
+    pub sample_rate_hz: f64,
+    /// How far its clock may be off, ppm.
+    pub clock_tolerance_ppm: f64,
+}
+
+/// What one repeat gave.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RepeatResult {
+    /// The repeat's number in the test file.
+    pub repeat: u32,
+    /// How many directions of the parameters the data determine.
+    pub rank: usize,
+    /// How many parameters there are.
+    pub parameter_count: usize,
+    /// Condition number of the scaled columns over the observed directions.
+    pub condition: Option<f64>,
+    /// What cannot be told apart, one sentence a group.
+    pub confounded: Vec<String>,
+    /// The parameters in the order of the model.
+    pub parameters: Vec<ParameterResult>,
+    /// Pairs of parameters whose estimates hang together closely.
+    pub correlations: Vec<Correlation>,
+    /// What is left in the residuals.
+    pub noise: NoiseResult,
+    /// Root mean square of the residuals of the samples that were used, um.
+    pub residual_rms_um: f64,
+    /// What became of the samples.
+    pub samples: SampleCounts,
+    /// Gauss-Newton steps.
+    pub gauss_newton_steps: usize,
+    /// The runs of this repeat.
+    pub runs: Vec<RunResult>,
+}
+
+/// One parameter of one repeat.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ParameterResult {
+    /// Its name, such as `EXX1`.
+    pub name: String,
+    /// Unit of `value` and `sigma`, such as `mm/mm`.
+    pub unit: &'static str,
+    /// The estimate.
+    pub value: f64,
+    /// Its standard deviation.
+    pub sigma: Option<f64>,
+    /// How much of it the data determine, 0 to 1.
+    pub observed: f64,
+}
+
+/// Two parameters whose estimates hang together closely.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Correlation {
+    /// The first.
+    pub first: String,
+    /// The second.
+    pub second: String,
+    /// Their correlation, -1 to 1.
+    pub correlation: f64,
+}
+
+/// The noise model of the residuals.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NoiseResult {
+    /// Standard deviation of one sample, um.
+    pub sigma_um: f64,
+    /// Standard deviation of what is new in every sample, um.
+    pub innovation_um: f64,
+    /// Coefficients of the autoregression, the nearest sample first.
+    pub autoregressive: Vec<f64>,
+    /// Correlation of samples 0, 1, 2 .. apart, by the model.
+    pub autocorrelation: Vec<f64>,
+    /// As many independent samples would determine a constant as well as the used ones.
+    pub effective_samples: Option<f64>,
+}
+
+/// What became of the samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct SampleCounts {
+    /// Took part in the fit.
+    pub used: usize,
+    /// Took part, but their residual was too large to be believed.
+    pub rejected: usize,
+    /// Did not take part: ramps, dwells, pauses, and reversals within the uncertainty of time.
+    pub not_used: usize,
+}
+
+/// One run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RunResult {
+    /// Its name.
+    pub name: String,
+    /// The program that ran; empty where the test file does not name the run.
+    pub program: String,
+    /// The log; empty where the test file does not name the run.
+    pub log: String,
+    /// Name of the mounting.
+    pub mounting: String,
+    /// By how much the machine's clock runs faster than the instrument's, ppm.
+    pub clock_rate_ppm: f64,
+    /// Its standard deviation, ppm.
+    pub clock_rate_sigma_ppm: Option<f64>,
+    /// The override knob.
+    pub feed_override: FeedOverride,
+    /// Log time at which the program engages the bar, s.
+    pub engagement_log_s: f64,
+    /// Log time minus program time on the first leg that has samples, s.
+    pub start_offset_s: f64,
+    /// Its standard deviation, ms.
+    pub start_offset_sigma_ms: Option<f64>,
+    /// Largest standard deviation of the program time of a used sample, ms.
+    pub worst_time_sigma_ms: Option<f64>,
+    /// Sample period of the log, s.
+    pub sample_period_s: f64,
+    /// Moments known on both clocks.
+    pub marks: Vec<MarkResult>,
+    /// Operator's pauses.
+    pub pauses: Vec<PauseResult>,
+    /// Root mean square of the residuals of the samples that were used, um.
+    pub residual_rms_um: f64,
+    /// What became of the samples.
+    pub samples: SampleCounts,
+    /// The arcs that have used samples, in the order in which they were driven.
+    pub arcs: Vec<ArcResult>,
+    /// The first of the rejected samples; `samples.rejected` counts them all.
+    pub rejected_samples: Vec<RejectedSample>,
+}
+
+/// The override knob.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FeedOverride {
+    /// Where it stood, by the test file, percent.
+    pub stated_percent: f64,
+    /// By how much the real feed exceeds that, by the log, percent; 0 where nothing told otherwise.
+    pub excess_percent: f64,
+    /// Standard deviation of the excess, percent; `None` where it was not estimated.
+    pub excess_sigma_percent: Option<f64>,
+}
+
+/// A moment known on both clocks.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct MarkResult {
+    /// `engagement`, `release` or `standstill`.
+    pub kind: &'static str,
+    /// On the instrument's clock, s.
+    pub log_s: f64,
+    /// In program time, s.
+    pub program_s: f64,
+    /// Standard deviation of their difference, ms.
+    pub sigma_ms: f64,
+    /// Samples of the ramp that made it.
+    pub samples: usize,
+    /// What the final time map leaves of it: its program time minus that of the map, ms.
+    pub left_ms: Option<f64>,
+}
+
+/// An M00.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PauseResult {
+    /// Its program time, s.
+    pub program_s: f64,
+    /// How long the operator let the machine stand, s; `None` where the log cannot tell.
+    pub length_s: Option<f64>,
+    /// Standard deviation of the length, ms.
+    pub sigma_ms: Option<f64>,
+}
+
+/// Residuals of one arc.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ArcResult {
+    /// Its name in the program.
+    pub name: String,
+    /// The circle.
+    pub circle: String,
+    /// `forward` or `backward`.
+    pub direction: &'static str,
+    /// A way to the next arc rather than an arc.
+    pub transit: bool,
+    /// Beginning in program time, s.
+    pub start_s: f64,
+    /// End in program time, s.
+    pub end_s: f64,
+    /// Angle that it covers, degrees.
+    pub sweep_deg: f64,
+    /// Feed, mm/min.
+    pub feed_mm_min: f64,
+    /// Samples that were used.
+    pub samples: usize,
+    /// Root mean square of the residuals, um.
+    pub rms_um: f64,
+    /// Mean of the residuals, um.
+    pub mean_um: f64,
+    /// Largest magnitude of a residual, um.
+    pub worst_um: f64,
+}
+
+/// A sample that was too far off to be believed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct RejectedSample {
+    /// Line of the log.
+    pub log_line: usize,
+    /// Time on the instrument's clock, s.
+    pub log_s: f64,
+    /// Residual, um.
+    pub residual_um: f64,
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use serde_json::Value;
+
+    use crate::report::fixture;
+
+    fn names(value: &Value, all: &mut BTreeSet<String>) {
+        match value {
+            Value::Object(fields) => {
+                for (name, value) in fields {
+                    all.insert(name.clone());
+                    names(value, all);
+                }
+            }
+            Value::Array(values) => values.iter().for_each(|value| names(value, all)),
+            _ => {}
+        }
+    }
+
+    #[test]
+    fn every_field_is_documented() {
+        let schema = include_str!("../../../docs/analysis-schema.md");
+        // Words between backticks, cut at dots and brackets.
+        let documented: BTreeSet<&str> =
+            schema.split('`').skip(1).step_by(2).flat_map(|code| code.split(['.', '['])).collect();
+        let plain = ["hu40t-stops", "planar"].map(fixture::identified);
+        for fixture in plain.into_iter().chain([fixture::diagnosed()]) {
+            let text = fixture.analysis.to_json().unwrap();
+            let mut all = BTreeSet::new();
+            names(&serde_json::from_str(&text).unwrap(), &mut all);
+            assert!(all.len() > 80, "{all:?}");
+            for name in all {
+                assert!(documented.contains(name.as_str()), "`{name}` is not in the schema");
+            }
+        }
+    }
+
+    #[test]
+    fn the_same_input_gives_the_same_bytes_and_full_precision() {
+        let first = fixture::identified("planar");
+        let second = fixture::work_out("planar");
+        let text = first.analysis.to_json().unwrap();
+        assert_eq!(text, second.analysis.to_json().unwrap());
+        let value: Value = serde_json::from_str(&text).unwrap();
+        let read = value["repeats"][0]["parameters"][0]["value"].as_f64().unwrap();
+        let exact = first.identifications[0].estimates[0].value;
+        assert_eq!(read.to_bits(), exact.to_bits());
+    }
+
+    #[test]
+    fn the_verdict_on_a_known_test() {
+        let fixture = fixture::identified("hu40t");
+        let analysis = &fixture.analysis;
+        assert_eq!(analysis.repeats.len(), 5);
+        for repeat in &analysis.repeats {
+            assert_eq!((repeat.rank, repeat.parameter_count), (38, 38));
+            assert!(repeat.residual_rms_um < 0.16, "{}", repeat.residual_rms_um);
+            let run = &repeat.runs[0];
+            assert_eq!(run.arcs.iter().filter(|arc| !arc.transit).count(), 12);
+            assert!(run.log.ends_with(&format!("{}.csv.gz", run.name)), "{}", run.log);
+            let all = repeat.samples;
+            assert_eq!(
+                all.used + all.rejected + all.not_used,
+                fixture.identifications[repeat.repeat as usize - 1].records[0].len()
+            );
+        }
+        assert_eq!(analysis.machine_errors.squareness.len(), 3);
+        assert_eq!(analysis.machine_errors.reversal.len(), 9);
+    }
+}

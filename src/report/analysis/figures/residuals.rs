@@ -1,0 +1,240 @@
+//! What the model leaves over: against time, against the angle, as a distribution.
+
+use super::figure::Figure;
+use super::polar::direction;
+use crate::align::Place;
+use crate::identify::Identification;
+use crate::log::Log;
+use crate::report::analysis::facts::{Analysis, RepeatResult};
+use crate::report::analysis::traces::OnCircle;
+use crate::report::draw::chart::{Axis, Chart};
+use crate::report::draw::svg::{Anchor, envelope, thinned};
+use crate::report::draw::ticks::{enclosing, symmetric};
+use crate::report::text::numbers::fixed;
+use crate::solve::Autocovariances;
+
+/// Points of a residual curve over a whole run.
+const TIME_POINTS: usize = 1400;
+/// Dots of one arc.
+const DOTS: usize = 260;
+/// Width of the stretches over which residuals are averaged, degrees.
+const STRETCH_DEG: f64 = 3.0;
+
+/// Range of the residuals that were believed, um: the same for every figure.
+fn range_um(identifications: &[Identification]) -> f64 {
+    let all = identifications.iter().flat_map(|identification| &identification.records).flatten();
+    symmetric(all.filter(|r| r.used && !r.rejected()).map(|r| r.residual_mm * 1e3))
+}
+
+/// One chart a run: residual against program time, arcs shaded.
+pub(in crate::report) fn against_time(
+    analysis: &Analysis,
+    identifications: &[Identification],
+) -> Vec<Figure> {
+    let range = range_um(identifications);
+    let mut figures = Vec::new();
+    for identification in identifications {
+        for (run, records) in identification.runs.iter().zip(&identification.records) {
+            let alignment = &run.alignment;
+            let points: Vec<(usize, f64, f64)> = alignment
+                .samples
+                .iter()
+                .zip(records)
+                .filter(|(_, record)| record.used && !record.rejected())
+                .filter_map(|(sample, record)| match sample.place {
+                    Place::Arc(arc) => Some((arc, sample.program_s, record.residual_mm * 1e3)),
+                    _ => None,
+                })
+                .collect();
+            let (Some(first), Some(last)) = (points.first(), points.last()) else { continue };
+            let x = Axis::new("program time, s", (first.1 - 2.0, last.1 + 2.0));
+            let y = Axis::new("residual, µm", (-range, range));
+            let mut chart = Chart::new(980.0, 165.0, x, y);
+            for section in &alignment.sections {
+                let class = match (section.transit, section.forward) {
+                    (true, _) => "shade transit",
+                    (_, true) => "shade forward",
+                    (_, false) => "shade backward",
+                };
+                chart.shade(section.start_s, section.end_s, class);
+            }
+            let share = TIME_POINTS as f64 / points.len() as f64;
+            for arc in points.chunk_by(|a, b| a.0 == b.0) {
+                let line: Vec<(f64, f64)> = arc.iter().map(|(_, t, r)| (*t, *r)).collect();
+                let most = (arc.len() as f64 * share).ceil() as usize;
+                chart.line(&envelope(&line, most), "residual");
+            }
+            chart.title(&analysis.in_mounting(&run.name, run.mounting));
+            let svg = chart.finish(&format!("{}: residual against program time", run.name));
+            figures.push(Figure { svg, caption: String::new(), tall: false });
+        }
+    }
+    figures
+}
+
+/// One chart a circle: residuals of the first repeat as dots, their mean over all repeats as a line.
+pub(in crate::report) fn against_angle(
+    circles: &[OnCircle],
+    identifications: &[Identification],
+) -> Vec<Figure> {
+    let range = range_um(identifications);
+    circles
+        .iter()
+        .map(|circle| {
+            // Arcs of a whole circle begin anywhere and run on through a full turn.
+            let whole = circle.whole();
+            let degrees = |point: &(f64, f64)| {
+                let angle_deg = point.0.to_degrees();
+                (if whole { angle_deg.rem_euclid(360.0) } else { angle_deg }, point.1)
+            };
+            let ends = circle.traces.iter().flat_map(|trace| {
+                let first = trace.angle_rad.iter().copied().fold(f64::INFINITY, f64::min);
+                let last = trace.angle_rad.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                if whole { [0.0, 360.0] } else { [first.to_degrees(), last.to_degrees()] }
+            });
+            let (low, high) =
+                ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+            let name = &circle.name;
+            let x = Axis::new("angle on the circle, °", (low.round(), high.round()));
+            let mut chart = Chart::new(480.0, 190.0, x, Axis::new("residual, µm", (-range, range)));
+            for trace in circle.traces.iter().filter(|trace| trace.repeat == 0) {
+                let dots: Vec<(f64, f64)> =
+                    thinned(&trace.residuals, DOTS).iter().map(degrees).collect();
+                chart.dots(&dots, direction(trace.forward));
+            }
+            for forward in [true, false] {
+                let all: Vec<(f64, f64)> = circle
+                    .traces
+                    .iter()
+                    .filter(|trace| trace.forward == forward)
+                    .flat_map(|trace| trace.residuals.iter().map(degrees))
+                    .collect();
+                chart.line(&averaged(&all, low), &format!("mean {}", direction(forward)));
+            }
+            chart.title(name);
+            let svg = chart.finish(&format!("{name}: residual against angle"));
+            Figure { svg, caption: String::new(), tall: false }
+        })
+        .collect()
+}
+
+/// Means over stretches of equal width.
+fn averaged(points: &[(f64, f64)], low: f64) -> Vec<(f64, f64)> {
+    let place = |x: f64| ((x - low) / STRETCH_DEG).floor().max(0.0) as usize;
+    let count = points.iter().map(|point| place(point.0) + 1).max().unwrap_or(0);
+    let mut sums = vec![(0.0, 0.0, 0.0); count];
+    for (x, y) in points {
+        let sum = &mut sums[place(*x)];
+        *sum = (sum.0 + 1.0, sum.1 + x, sum.2 + y);
+    }
+    let filled = sums.into_iter().filter(|sum| sum.0 > 0.0);
+    filled.map(|(n, x, y)| (x / n, y / n)).collect()
+}
+
+/// Distribution of the residuals, with the normal distribution of the same standard deviation.
+pub(in crate::report) fn histogram(identifications: &[Identification]) -> Option<Figure> {
+    let values: Vec<f64> = identifications
+        .iter()
+        .flat_map(|identification| &identification.records)
+        .flatten()
+        .filter(|r| r.used && !r.rejected())
+        .map(|r| r.residual_mm * 1e3)
+        .collect();
+    if values.len() < 20 {
+        return None;
+    }
+    let total = values.len() as f64;
+    let sigma = (values.iter().map(|v| v * v).sum::<f64>() / total).sqrt();
+    let range = range_um(identifications);
+    let bins = 48_usize;
+    let width = 2.0 * range / bins as f64;
+    let mut counts = vec![0.0; bins];
+    for value in &values {
+        let place = ((value + range) / width).floor().clamp(0.0, bins as f64 - 1.0);
+        counts[place as usize] += 100.0 / total;
+    }
+    let normal = |x: f64| {
+        100.0 * width / (sigma * (2.0 * std::f64::consts::PI).sqrt())
+            * (-0.5 * (x / sigma).powi(2)).exp()
+    };
+    let top = counts.iter().copied().chain([normal(0.0)]);
+    let (_, high) = enclosing(top.chain([0.0]), 5);
+    let mut chart = Chart::new(
+        480.0,
+        220.0,
+        Axis::new("residual, µm", (-range, range)),
+        Axis::new("share of samples, %", (0.0, high)),
+    );
+    for (k, share) in counts.iter().enumerate() {
+        let from = -range + k as f64 * width;
+        chart.bar(from, from + width, *share, "bin");
+    }
+    let curve: Vec<(f64, f64)> = (0..=160)
+        .map(|k| -range + 2.0 * range * f64::from(k) / 160.0)
+        .map(|x| (x, normal(x)))
+        .collect();
+    chart.line(&curve, "model");
+    Some(Figure {
+        svg: chart.finish("distribution of the residuals"),
+        caption: format!(
+            "Distribution of the residuals of all runs; line: normal distribution with {} µm rms.",
+            fixed(sigma, 3)
+        ),
+        tall: false,
+    })
+}
+
+/// Autocorrelation of the residuals of the first repeat over the first lags, with the noise model.
+pub(in crate::report) fn autocorrelation(
+    result: &RepeatResult,
+    identification: &Identification,
+    analysis: &Analysis,
+) -> Option<Figure> {
+    let lags = result.noise.autocorrelation.len();
+    let mut covariances = Autocovariances::new(lags.saturating_sub(1));
+    for (run, records) in identification.runs.iter().zip(&identification.records) {
+        let longest_s = Log::GAP_PERIODS * run.alignment.sample_period_s;
+        let used: Vec<(Place, f64, f64)> = run
+            .alignment
+            .samples
+            .iter()
+            .zip(records)
+            .filter(|(_, record)| record.used && !record.rejected())
+            .map(|(sample, record)| (sample.place, sample.log_s, record.residual_mm * 1e3))
+            .collect();
+        for piece in used.chunk_by(|a, b| a.0 == b.0 && b.1 - a.1 <= longest_s) {
+            let values: Vec<f64> = piece.iter().map(|(_, _, residual)| *residual).collect();
+            covariances.push_segment(&values);
+        }
+    }
+    let measured = covariances.unbiased();
+    let variance = measured.first().copied().filter(|v| *v > 0.0)?;
+    let seen: Vec<f64> = measured.iter().map(|v| v / variance).collect();
+    let lowest = seen.iter().chain(&result.noise.autocorrelation).copied().fold(0.0, f64::min);
+    let low = (lowest * 5.0).floor() / 5.0;
+    let mut chart =
+        Chart::of_categories(480.0, 220.0, lags, Axis::new("autocorrelation", (low, 1.05)));
+    for (lag, value) in seen.iter().enumerate() {
+        chart.bar(lag as f64 + 0.3, lag as f64 + 0.7, *value, "bar");
+        chart.below(lag as f64 + 0.5, &lag.to_string());
+    }
+    let model: Vec<(f64, f64)> = result
+        .noise
+        .autocorrelation
+        .iter()
+        .enumerate()
+        .map(|(lag, value)| (lag as f64 + 0.5, *value))
+        .collect();
+    chart.line(&model, "model");
+    let period_s = analysis.runs().next().map_or(0.0, |run| run.sample_period_s);
+    let note = format!("lag, samples of {} s", fixed(period_s, 3));
+    chart.note((lags as f64, 1.05), (-8.0, 16.0), Anchor::End, &note);
+    Some(Figure {
+        svg: chart.finish("autocorrelation of the residuals"),
+        caption: format!(
+            "Autocorrelation of the residuals of the first repeat (bars) and of the noise model (line), autoregressive of order {}.",
+            result.noise.autoregressive.len()
+        ),
+        tall: false,
+    })
+}

@@ -1,0 +1,320 @@
+//! From identifications to an [`Analysis`].
+
+use super::facts::{
+    Analysis, ArcResult, BallBarFacts, Correlation, FeedOverride, MachineFacts, MarkResult,
+    MountingFacts, NoiseResult, ParameterResult, PauseResult, Pivots, RejectedSample, RepeatResult,
+    RunResult, SampleCounts, TestFacts,
+};
+use super::machine_errors::MachineErrors;
+use super::{cautions, means};
+use crate::align::{Mark, MarkKind, TimeMap};
+use crate::identify::{self, Estimate, Identification, Record, RunInput};
+use crate::machine::{Axis, Machine, Pivot};
+use crate::model::Parameter;
+use crate::plan::{BallBar, Run, Test};
+use crate::report::text::numbers::{finite, without_dust};
+use crate::solve::Matrix;
+
+/// Name and version of the format.
+const FORMAT: &str = "ballbar.analysis/1";
+/// Lags of the residuals' autocorrelation that are told.
+const LAGS: usize = 9;
+/// Estimates that hang together more closely than this are told as a pair.
+const CLOSE: f64 = 0.95;
+/// So many rejected samples of a run are listed.
+const MOST_REJECTED: usize = 300;
+
+impl Analysis {
+    /// Gathers what is told: one identification a repeat, each with the runs that were fitted together.
+    pub fn new(test: &Test, machine: &Machine, identifications: &[Identification]) -> Self {
+        let mut runs = StatedRuns::new(test);
+        let repeats: Vec<RepeatResult> = identifications
+            .iter()
+            .enumerate()
+            .map(|(index, identification)| repeat(index, identification, &mut runs))
+            .collect();
+        let over_repeats = means::of(identifications);
+        let mut analysis = Self {
+            format: FORMAT,
+            program_version: env!("CARGO_PKG_VERSION"),
+            test: test_facts(test),
+            machine: machine_facts(machine),
+            ball_bar: ball_bar_facts(test.ball_bar()),
+            strategy: test.plan().ok().map(|plan| plan.strategy_name().to_owned()),
+            terms: test.estimation().terms.clone(),
+            loss: test.estimation().loss,
+            minimum_norm: test.estimation().minimum_norm,
+            machine_errors: MachineErrors::new(machine, &over_repeats),
+            repeats,
+            over_repeats,
+            diagnosis: None,
+            cautions: Vec::new(),
+        };
+        // What speaks against the fit itself comes before what speaks for caution in reading it.
+        let of_fits = identifications.iter().flat_map(|repeat| repeat.cautions.iter().cloned());
+        analysis.cautions = of_fits.chain(cautions::of(&analysis)).collect();
+        analysis
+    }
+}
+
+fn test_facts(test: &Test) -> TestFacts {
+    let mountings = test.mountings().iter().map(|named| MountingFacts {
+        name: named.name.clone(),
+        coincidence_mm: named.mounting.coincidence_mm.into(),
+        tool_ball_mm: named.mounting.tool_ball_mm.into(),
+        bar_length_mm: named.bar_length_mm,
+    });
+    TestFacts {
+        name: test.name().to_owned(),
+        file: test.file().display().to_string(),
+        sha256: test.hash().to_owned(),
+        mountings: mountings.collect(),
+    }
+}
+
+/// The instrument as a test file states it.
+pub(in crate::report) fn ball_bar_facts(bar: &BallBar) -> BallBarFacts {
+    BallBarFacts {
+        length_mm: bar.length_mm,
+        range_mm: bar.range_mm,
+        resolution_um: bar.resolution_mm * 1e3,
+        noise_um: bar.noise_mm * 1e3,
+        sample_rate_hz: bar.sample_rate_hz,
+        clock_tolerance_ppm: bar.clock_tolerance * 1e6,
+    }
+}
+
+/// The machine as its file says it.
+pub(in crate::report) fn machine_facts(machine: &Machine) -> MachineFacts {
+    let pivot = |axis| match machine.slide(axis).pivot {
+        Pivot::Carriage => "carriage",
+        Pivot::Base => "base",
+    };
+    MachineFacts {
+        name: machine.name().to_owned(),
+        file: machine.file().display().to_string(),
+        topology: machine.topology().as_str().to_owned(),
+        pivots: Pivots { x: pivot(Axis::X), y: pivot(Axis::Y), z: pivot(Axis::Z) },
+    }
+}
+
+/// The runs of the test file, each given away once: two logs in two folders may have the same name.
+struct StatedRuns<'a> {
+    test: &'a Test,
+    left: Vec<&'a Run>,
+}
+
+impl<'a> StatedRuns<'a> {
+    fn new(test: &'a Test) -> Self {
+        let mut left: Vec<&Run> = test.runs().map_or_else(|_| Vec::new(), |r| r.iter().collect());
+        left.sort_by_key(|run| run.repeat);
+        Self { test, left }
+    }
+
+    fn take(&mut self, name: &str) -> Option<&'a Run> {
+        let index = self.left.iter().position(|run| run.name == name)?;
+        Some(self.left.remove(index))
+    }
+
+    fn mounting(&self, index: usize) -> String {
+        self.test.mountings().get(index).map_or_else(String::new, |named| named.name.clone())
+    }
+}
+
+fn repeat(index: usize, from: &Identification, stated: &mut StatedRuns<'_>) -> RepeatResult {
+    let parameters: Vec<Parameter> = from.estimates.iter().map(|e| e.parameter.clone()).collect();
+    let mut number = None;
+    let runs: Vec<RunResult> = from
+        .runs
+        .iter()
+        .zip(&from.records)
+        .map(|(run, records)| {
+            let of_file = stated.take(&run.name);
+            number = number.or(of_file.map(|run| run.repeat));
+            run_result(run, records, of_file, stated.mounting(run.mounting))
+        })
+        .collect();
+    RepeatResult {
+        repeat: number.unwrap_or(index as u32 + 1),
+        rank: from.rank,
+        parameter_count: parameters.len(),
+        condition: finite(from.condition),
+        confounded: from
+            .null_directions
+            .iter()
+            .map(|direction| identify::sentence(direction, &parameters))
+            .collect(),
+        parameters: from.estimates.iter().map(parameter).collect(),
+        correlations: correlations(&parameters, &from.correlation),
+        noise: NoiseResult {
+            sigma_um: from.noise.sigma() * 1e3,
+            innovation_um: from.noise.innovation_sigma() * 1e3,
+            autoregressive: from.noise.phi().to_vec(),
+            autocorrelation: from.noise.autocorrelation(LAGS),
+            effective_samples: finite(from.noise.effective_samples(from.used)),
+        },
+        residual_rms_um: from.rms_mm * 1e3,
+        samples: from.records.iter().fold(counts(&[]), |sum, records| {
+            let of_run = counts(records);
+            SampleCounts {
+                used: sum.used + of_run.used,
+                rejected: sum.rejected + of_run.rejected,
+                not_used: sum.not_used + of_run.not_used,
+            }
+        }),
+        gauss_newton_steps: from.steps,
+        runs,
+    }
+}
+
+fn parameter(estimate: &Estimate) -> ParameterResult {
+    ParameterResult {
+        name: estimate.parameter.name.clone(),
+        unit: estimate.parameter.unit,
+        value: estimate.value + 0.0,
+        sigma: finite(estimate.sigma),
+        observed: without_dust(estimate.observed),
+    }
+}
+
+/// The closest pairs first.
+fn correlations(parameters: &[Parameter], matrix: &Matrix) -> Vec<Correlation> {
+    let mut pairs = Vec::new();
+    for i in 0..parameters.len() {
+        for k in i + 1..parameters.len() {
+            let correlation = matrix[(i, k)];
+            if correlation.is_finite() && correlation.abs() >= CLOSE {
+                pairs.push(Correlation {
+                    first: parameters[i].name.clone(),
+                    second: parameters[k].name.clone(),
+                    correlation,
+                });
+            }
+        }
+    }
+    pairs.sort_by(|a, b| b.correlation.abs().total_cmp(&a.correlation.abs()));
+    pairs
+}
+
+/// What became of samples.
+fn counts(records: &[Record]) -> SampleCounts {
+    let rejected = records.iter().filter(|r| r.rejected()).count();
+    let taking_part = records.iter().filter(|r| r.used).count();
+    SampleCounts { used: taking_part - rejected, rejected, not_used: records.len() - taking_part }
+}
+
+fn run_result(
+    run: &RunInput,
+    records: &[Record],
+    stated: Option<&Run>,
+    mounting: String,
+) -> RunResult {
+    let alignment = &run.alignment;
+    let map = &alignment.time_map;
+    let first_s = alignment.engagements.first().map_or(0.0, |engagement| engagement.start_s);
+    let leg = map.leg_of(first_s);
+    let used = || alignment.samples.iter().zip(records).filter(|(_, record)| record.used);
+    let rejected = alignment.samples.iter().zip(records).filter(|(_, record)| record.rejected());
+    RunResult {
+        name: run.name.clone(),
+        program: stated.map_or_else(String::new, |run| run.program.display().to_string()),
+        log: stated.map_or_else(String::new, |run| run.log.display().to_string()),
+        mounting,
+        clock_rate_ppm: map.rate * 1e6,
+        clock_rate_sigma_ppm: finite(map.rate_sigma * 1e6),
+        feed_override: FeedOverride {
+            stated_percent: stated.map_or(1.0, |run| run.feed_override) * 100.0,
+            excess_percent: map.override_excess * 100.0,
+            excess_sigma_percent: (map.override_sigma > 0.0).then_some(map.override_sigma * 100.0),
+        },
+        engagement_log_s: map.log_time_s(first_s, leg),
+        start_offset_s: map.offsets_s.get(leg).copied().unwrap_or(0.0),
+        start_offset_sigma_ms: map.offset_sigmas_s.get(leg).and_then(|s| finite(s * 1e3)),
+        worst_time_sigma_ms: finite(
+            used().map(|(sample, _)| sample.time_sigma_s).fold(0.0, f64::max) * 1e3,
+        ),
+        sample_period_s: alignment.sample_period_s,
+        marks: alignment.marks.iter().map(|mark| mark_result(mark, map)).collect(),
+        pauses: pauses(map),
+        residual_rms_um: identify::rms_mm(records) * 1e3,
+        samples: counts(records),
+        arcs: arcs(run, records),
+        rejected_samples: rejected
+            .take(MOST_REJECTED)
+            .map(|(sample, record)| RejectedSample {
+                log_line: sample.line,
+                log_s: sample.log_s,
+                residual_um: record.residual_mm * 1e3,
+            })
+            .collect(),
+    }
+}
+
+fn mark_result(mark: &Mark, map: &TimeMap) -> MarkResult {
+    let leg = map.leg_of(mark.program_s);
+    let known = map.offset_sigmas_s.get(leg).is_some_and(|sigma| sigma.is_finite());
+    MarkResult {
+        kind: match mark.kind {
+            MarkKind::Engagement => "engagement",
+            MarkKind::Release => "release",
+            MarkKind::Standstill => "standstill",
+        },
+        log_s: mark.log_s,
+        program_s: mark.program_s,
+        sigma_ms: mark.sigma_s * 1e3,
+        samples: mark.samples,
+        left_ms: known
+            .then(|| (mark.program_s - map.on_leg_s(mark.log_s, leg)) * 1e3)
+            .and_then(finite),
+    }
+}
+
+/// Lengths of the operator's pauses. Two offsets hang together through the clock rate, which is taken
+/// off; given the rate they are taken for independent.
+fn pauses(map: &TimeMap) -> Vec<PauseResult> {
+    let rate_variance = map.rate_sigma.powi(2);
+    map.stops_s()
+        .iter()
+        .zip(map.pauses_s())
+        .enumerate()
+        .map(|(stop, (&program_s, length_s))| {
+            let (before, after) = (stop, stop + 1);
+            let shared = if rate_variance > 0.0 {
+                map.offset_rate_covariances_s[before] * map.offset_rate_covariances_s[after]
+                    / rate_variance
+            } else {
+                0.0
+            };
+            let sigma = |leg: usize| map.offset_sigmas_s[leg].hypot(map.ambiguities_s[leg]);
+            let variance = sigma(before).powi(2) + sigma(after).powi(2) - 2.0 * shared;
+            PauseResult {
+                program_s,
+                length_s: length_s.and_then(finite),
+                sigma_ms: length_s.and_then(|_| finite(variance.max(0.0).sqrt() * 1e3)),
+            }
+        })
+        .collect()
+}
+
+fn arcs(run: &RunInput, records: &[Record]) -> Vec<ArcResult> {
+    identify::arcs(&run.alignment, records)
+        .into_iter()
+        .map(|residuals| {
+            let section = &run.alignment.sections[residuals.section];
+            ArcResult {
+                name: section.name.clone(),
+                circle: section.circle.name(),
+                direction: if section.forward { "forward" } else { "backward" },
+                transit: section.transit,
+                start_s: section.start_s,
+                end_s: section.end_s,
+                sweep_deg: section.sweep_rad.to_degrees(),
+                feed_mm_min: section.feed_mm_s * 60.0,
+                samples: residuals.samples,
+                rms_um: residuals.rms_mm * 1e3,
+                mean_um: residuals.mean_mm * 1e3,
+                worst_um: residuals.worst_mm * 1e3,
+            }
+        })
+        .collect()
+}

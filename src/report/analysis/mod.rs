@@ -1,0 +1,18 @@
+//! The results of a test: `analysis.json`, `report.html`, the samples as CSV, the summary for the terminal.
+//!
+//! [`Analysis`](facts::Analysis) is the one place where numbers are gathered; terminal, JSON and the tables of
+//! the page read it and nothing else. Curves are drawn from the identifications themselves.
+
+mod arc_table;
+pub(super) mod cautions;
+pub(super) mod facts;
+mod figures;
+pub(super) mod gather;
+pub mod html;
+pub(super) mod machine_errors;
+pub(super) mod means;
+mod mountings;
+pub(super) mod samples;
+pub(super) mod terminal;
+mod traces;
+mod verdict;

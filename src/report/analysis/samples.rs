@@ -1,0 +1,157 @@
+//! Aligned samples as CSV: what was read, where the machine was, and what became of it.
+
+use std::io::Write;
+
+use crate::align::{Alignment, Place, Sample};
+use crate::error::{Error, Kind, Result};
+use crate::identify::{Record, RunInput};
+use crate::report::text::numbers::fixed;
+
+/// Columns of every sample.
+const ALIGNED: &str = "log_line,log_time_s,program_time_s,time_sigma_ms,place,arc,angle_deg,\
+x_mm,y_mm,z_mm,ball_x_mm,ball_y_mm,ball_z_mm,sense_x,sense_y,sense_z,deviation_um";
+/// Columns that come with a fit.
+const FITTED: &str = ",predicted_um,residual_um,weight,used,rejected";
+
+/// Writes the samples of an identified run.
+///
+/// `x_mm y_mm z_mm` are machine coordinates, `ball_*_mm` the tool ball relative to the workpiece ball,
+/// both as commanded; `angle_deg` is the angle on the sample's circle. A time that nothing tells has an
+/// empty `time_sigma_ms`.
+pub fn write_samples(out: &mut impl Write, run: &RunInput, records: &[Record]) -> Result<()> {
+    write_rows(out, &run.alignment, Some(records))
+}
+
+/// Writes the samples of a run that was aligned, but not identified: the same without prediction.
+pub fn write_aligned(out: &mut impl Write, alignment: &Alignment) -> Result<()> {
+    write_rows(out, alignment, None)
+}
+
+fn write_rows(
+    out: &mut impl Write,
+    alignment: &Alignment,
+    records: Option<&[Record]>,
+) -> Result<()> {
+    let mut put = |line: &str| {
+        writeln!(out, "{line}").map_err(|error| {
+            Error::new(Kind::Output, format!("samples cannot be written: {error}"))
+        })
+    };
+    put(&format!("{ALIGNED}{}", if records.is_some() { FITTED } else { "" }))?;
+    for (k, sample) in alignment.samples.iter().enumerate() {
+        let mut line = aligned(alignment, sample);
+        if let Some(record) = records.and_then(|records| records.get(k)) {
+            line.push_str(&fitted(record));
+        }
+        put(&line)?;
+    }
+    Ok(())
+}
+
+fn aligned(alignment: &Alignment, sample: &Sample) -> String {
+    let (place, arc, angle) = match sample.place {
+        Place::Arc(index) => {
+            let section = &alignment.sections[index];
+            let ball = sample.pose.position_mm - alignment.coincidence_mm();
+            let angle_deg = section.circle.angle_rad(&ball).to_degrees();
+            ("arc", quoted(&section.name), fixed(angle_deg, 5))
+        }
+        Place::Ramp => ("ramp", String::new(), String::new()),
+        Place::Dwell => ("dwell", String::new(), String::new()),
+        Place::Stop => ("stop", String::new(), String::new()),
+    };
+    let sigma = if sample.time_sigma_s.is_finite() {
+        fixed(sample.time_sigma_s * 1e3, 4)
+    } else {
+        String::new()
+    };
+    let at = &sample.pose.position_mm;
+    let ball = at - alignment.coincidence_mm();
+    let sense = &sample.pose.sense;
+    [
+        sample.line.to_string(),
+        fixed(sample.log_s, 6),
+        fixed(sample.program_s, 6),
+        sigma,
+        place.to_owned(),
+        arc,
+        angle,
+        fixed(at.x, 6),
+        fixed(at.y, 6),
+        fixed(at.z, 6),
+        fixed(ball.x, 6),
+        fixed(ball.y, 6),
+        fixed(ball.z, 6),
+        fixed(sense.x, 0),
+        fixed(sense.y, 0),
+        fixed(sense.z, 0),
+        fixed(sample.deviation_mm * 1e3, 4),
+    ]
+    .join(",")
+}
+
+fn fitted(record: &Record) -> String {
+    format!(
+        ",{},{},{},{},{}",
+        fixed(record.predicted_mm * 1e3, 4),
+        fixed(record.residual_mm * 1e3, 4),
+        fixed(record.weight, 4),
+        u8::from(record.used),
+        u8::from(record.rejected())
+    )
+}
+
+/// A field of CSV; the comments of a program may hold commas.
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::report::fixture;
+
+    #[test]
+    fn every_sample_is_a_line_with_every_column() {
+        let fixture = fixture::identified("hu40t-stops");
+        let run = &fixture.identifications[0].runs[0];
+        let records = &fixture.identifications[0].records[0];
+        let mut bytes = Vec::new();
+        write_samples(&mut bytes, run, records).unwrap();
+        let text = String::from_utf8(bytes).unwrap();
+        assert_eq!(text.lines().count(), run.alignment.samples.len() + 1);
+        let columns = text.lines().next().unwrap().split(',').count();
+        for line in text.lines() {
+            assert_eq!(line.split(',').count(), columns, "{line}");
+            for field in line.split(',') {
+                let zero = field.starts_with("-0") && field[1..].parse() == Ok(0.0_f64);
+                assert!(!zero, "{line}");
+            }
+        }
+        let used = text.lines().filter(|line| line.ends_with(",1,0")).count();
+        assert_eq!(used, records.iter().filter(|r| r.used).count());
+        for place in [",arc,", ",ramp,", ",stop,"] {
+            assert!(text.contains(place), "{place}");
+        }
+    }
+
+    #[test]
+    fn alignment_alone_has_no_prediction() {
+        let fixture = fixture::identified("hu40t-stops");
+        let mut bytes = Vec::new();
+        write_aligned(&mut bytes, &fixture.identifications[0].runs[0].alignment).unwrap();
+        let text = String::from_utf8(bytes).unwrap();
+        assert_eq!(text.lines().next().unwrap(), ALIGNED);
+    }
+
+    #[test]
+    fn a_comma_in_a_comment_is_quoted() {
+        assert_eq!(quoted("ARC 1"), "ARC 1");
+        assert_eq!(quoted("ARC 1, UP"), "\"ARC 1, UP\"");
+    }
+}

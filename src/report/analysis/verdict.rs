@@ -1,0 +1,39 @@
+//! Is the fit to be trusted? The verdict, a sentence an entry.
+
+use super::facts::Analysis;
+use crate::report::text::numbers::{fixed, many};
+
+/// The verdict, a line a sentence: time, observability, residual.
+pub(super) fn of(analysis: &Analysis) -> Vec<String> {
+    let runs = analysis.runs().count();
+    let worst = analysis.runs().filter_map(|run| run.worst_time_sigma_ms).fold(0.0, f64::max);
+    let rank = analysis.repeats.iter().map(|r| r.rank).min().unwrap_or(0);
+    let parameters = analysis.repeats.first().map_or(0, |r| r.parameter_count);
+    let condition = analysis.repeats.iter().filter_map(|r| r.condition).fold(0.0, f64::max);
+    let used: usize = analysis.repeats.iter().map(|r| r.samples.used).sum();
+    let rejected: usize = analysis.repeats.iter().map(|r| r.samples.rejected).sum();
+    let squares: f64 = analysis
+        .repeats
+        .iter()
+        .map(|r| r.residual_rms_um.powi(2) * r.samples.used as f64)
+        .sum::<f64>();
+    let rms = (squares / used.max(1) as f64).sqrt();
+    vec![
+        format!(
+            "{} aligned in {}, worst time uncertainty {} ms.",
+            many(runs, "run"),
+            many(analysis.repeats.len(), "repeat"),
+            fixed(worst, 1)
+        ),
+        format!(
+            "{rank} of {parameters} parameters observed, condition number {}.",
+            fixed(condition, 0)
+        ),
+        format!(
+            "Residual {} um rms over {}{}.",
+            fixed(rms, 3),
+            many(used, "sample"),
+            if rejected > 0 { format!(", {rejected} rejected") } else { String::new() }
+        ),
+    ]
+}

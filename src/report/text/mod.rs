@@ -1,0 +1,6 @@
+//! Words and numbers as they are written: lines for a terminal, decimals, units, lists.
+
+pub(super) mod layout;
+pub(super) mod numbers;
+pub(super) mod units;
+pub(super) mod words;

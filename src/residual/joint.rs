@@ -1,0 +1,186 @@
+//! The fit of several effects at once, beside everything that the model and accepted effects follow.
+//!
+//! With the columns `c_j` of the effects outside of what the fits follow, the amplitudes solve
+//!
+//! ```text
+//! N a = r,     N_ij = c'_i · c'_j,     r_i = c'_i · e
+//! ```
+//!
+//! and gain `a · r` of the sum of squares. The numbers inside (a period, a time constant) follow by
+//! Gauss-Newton with the derivative of the fitted effect as a further column: variable projection in the
+//! approximation of Kaufman, "A variable projection method for solving separable nonlinear least squares
+//! problems" (BIT 15, 1975), which drops the part of the derivative that lies in the span of the columns.
+
+use super::beside::Beside;
+use super::column::Column;
+use super::element::Element;
+use super::fitted::Fitted;
+use super::residuals::Residuals;
+use super::system::System;
+use crate::solve::{Cholesky, dot};
+
+/// Steps of Gauss-Newton; a good start takes three.
+const MOST_STEPS: usize = 12;
+/// A step that lowers the sum of squares by less than this share of the gain is the last.
+const SETTLED: f64 = 1e-4;
+/// Steps that do not help are halved until they are shorter than this.
+const SHORTEST: f64 = 0.1;
+
+/// Fits effects beside what has been accepted; the numbers inside start from where they are.
+///
+/// `None` where the effects cannot be told from what is followed already, or from each other.
+pub fn fit(beside: &Beside, elements: Vec<Element>) -> Option<Fitted> {
+    fit_to(beside, elements, &vec![true; beside.residuals.repeats.len()])
+}
+
+/// The same with some of the repeats alone.
+pub fn fit_to(beside: &Beside, elements: Vec<Element>, repeats: &[bool]) -> Option<Fitted> {
+    let mut elements = elements;
+    let mut best: Option<Fitted> = None;
+    let mut shorter = 1.0;
+    for _ in 0..MOST_STEPS {
+        let (mut system, counts) = system(beside, &elements, repeats);
+        let linear = system.columns.len();
+        let (normal, common) = system.part(linear);
+        let amplitudes = Cholesky::of(&normal)?.solve(common);
+        let gain_mm2 = dot(&amplitudes, common);
+        if let Some(best) = best.as_ref().filter(|best| gain_mm2 <= best.gain_mm2) {
+            shorter *= 0.5;
+            if shorter < SHORTEST {
+                break;
+            }
+            elements = half_way(&elements, &best.elements);
+            continue;
+        }
+        let settled =
+            best.as_ref().is_some_and(|best| gain_mm2 - best.gain_mm2 < SETTLED * gain_mm2);
+        let share_outside = system.share_outside();
+        let amplitudes = split(&amplitudes, &counts);
+        let mut inside = Vec::new();
+        let mut first = 0;
+        for (element, own) in elements.iter().zip(&amplitudes) {
+            if element.free().is_some() {
+                let columns = &system.columns[first..first + own.len()];
+                inside.push(derivative(beside.residuals, element, own, columns));
+            }
+            first += own.len();
+        }
+        system.push(beside, inside);
+        let (normal, common) = system.part(system.columns.len());
+        let cholesky = Cholesky::of(&normal)?;
+        let step = cholesky.solve(common);
+        let (inverse, columns) = (cholesky.inverse(), system.columns);
+        let next = stepped(&elements, &step[linear..], shorter);
+        best = Some(Fitted { elements, amplitudes, gain_mm2, inverse, share_outside, columns });
+        if settled || step.len() == linear {
+            break;
+        }
+        elements = next;
+    }
+    best
+}
+
+/// The columns of all elements, empty in the repeats that take no part; and how many each has.
+fn system(beside: &Beside, elements: &[Element], repeats: &[bool]) -> (System, Vec<usize>) {
+    let mut of_elements: Vec<Vec<Column>> =
+        elements.iter().map(|e| e.columns(beside.residuals)).collect();
+    for column in of_elements.iter_mut().flatten() {
+        let out = column.iter_mut().zip(repeats).filter(|(_, takes_part)| !**takes_part);
+        out.for_each(|(of_repeat, _)| of_repeat.clear());
+    }
+    let counts = of_elements.iter().map(Vec::len).collect();
+    let mut system = System::default();
+    system.push(beside, of_elements.into_iter().flatten().collect());
+    (system, counts)
+}
+
+/// Values one after the other, so many to each.
+fn split(values: &[f64], counts: &[usize]) -> Vec<Vec<f64>> {
+    let mut rest = values.iter().copied();
+    counts.iter().map(|count| rest.by_ref().take(*count).collect()).collect()
+}
+
+/// Elements with the numbers inside half the way back to the best.
+fn half_way(now: &[Element], best: &[Element]) -> Vec<Element> {
+    let back = |(now, best): (&Element, &Element)| match (now.free(), best.free()) {
+        (Some(now), Some(at)) => best.with_free(0.5 * (now + at)),
+        _ => best.clone(),
+    };
+    now.iter().zip(best).map(back).collect()
+}
+
+/// Elements with the numbers inside one step on, one step for each that has one.
+fn stepped(elements: &[Element], steps: &[f64], shorter: f64) -> Vec<Element> {
+    let mut steps = steps.iter();
+    let on = |element: &Element| match (element.free(), element.free().and_then(|_| steps.next())) {
+        (Some(at), Some(step)) => {
+            let longest = element.long_step();
+            element.with_free(at + (shorter * step).clamp(-longest, longest))
+        }
+        _ => element.clone(),
+    };
+    elements.iter().map(on).collect()
+}
+
+/// Derivative of a fitted effect with respect to the number inside.
+fn derivative(
+    residuals: &Residuals,
+    element: &Element,
+    amplitudes: &[f64],
+    columns: &[Column],
+) -> Column {
+    let at = element.free().unwrap_or(0.0);
+    let step = element.small_step();
+    let beside = element.with_free(at + step).columns(residuals);
+    let mut sum = Column::empty(residuals.repeats.len());
+    for ((amplitude, after), before) in amplitudes.iter().zip(&beside).zip(columns) {
+        for (sum, (after, before)) in sum.iter_mut().zip(after.iter().zip(before.iter())) {
+            if before.is_empty() {
+                continue;
+            }
+            sum.resize(after.len(), 0.0);
+            for (s, (a, b)) in sum.iter_mut().zip(after.iter().zip(before)) {
+                *s += amplitude * (a - b) / step;
+            }
+        }
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::bench::{element, residuals};
+    use super::*;
+
+    /// Every cause with a number inside, against central differences with another step.
+    #[test]
+    fn the_derivative_is_that_of_the_fitted_effect() {
+        let residuals = residuals(1, || 0.0);
+        for (term, amplitudes) in [
+            ("cyclic:on=EXX,period_mm=10", [0.8, -0.3]),
+            ("vibration:on=bar,frequency_hz=0.7", [0.4, 0.9]),
+            ("drift:on=EXt,time_constant_s=600", [1.0, 0.0]),
+            ("drift:on=EYt,time_constant_s=120", [1.0, 0.0]),
+            ("stick-slip:on=Y,speed_mm_min=60", [1.0, 0.0]),
+        ] {
+            let element = element(term);
+            let columns = element.columns(&residuals);
+            let own = &amplitudes[..columns.len()];
+            let derivative = derivative(&residuals, &element, own, &columns);
+            let at = element.free().unwrap();
+            let step = 0.1 * element.small_step();
+            let mut expected = residuals.zeros();
+            for (sign, free) in [(1.0, at + step), (-1.0, at - step)] {
+                let beside = element.with_free(free).columns(&residuals);
+                for (amplitude, column) in own.iter().zip(&beside) {
+                    expected.add(sign * amplitude / (2.0 * step), column);
+                }
+            }
+            let mut apart = derivative.clone();
+            apart.add(-1.0, &expected);
+            // The one-sided difference is off by half a step times the second derivative.
+            let share = (apart.square() / expected.square().max(1e-30)).sqrt();
+            assert!(share < 0.02, "{term}: {share}");
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! The residuals of all repeats, and what the fits already follow.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::column::Column;
+use crate::error::Result;
+use crate::identify::{Campaign, Identification, LinearSample, Linearised, Options};
+use crate::machine::Machine;
+use crate::model::Situation;
+use crate::plan::Test;
+use crate::solve::{Basis, Matrix, dot};
+
+/// Samples of a run that are looked at; of longer logs every so many.
+const MOST: usize = 12_000;
+/// Programs whose durations differ by less than this share are one.
+const SAME_DURATION: f64 = 1e-6;
+
+/// A sample that a fit used.
+#[derive(Debug, Clone)]
+pub struct Sample {
+    /// Index of its run in the repeat.
+    pub run: usize,
+    /// Number of its arc, counted over all runs of all repeats: what is left out together.
+    pub arc: usize,
+    /// Index of the section of the program that it lies on.
+    pub section: usize,
+    /// Program time, s.
+    pub program_s: f64,
+    /// Where it was taken, and how the machine moved there.
+    pub situation: Situation,
+    /// Root of its weight in the fit, 0 to 1.
+    pub root_weight: f64,
+}
+
+/// One run of a repeat.
+#[derive(Debug, Clone)]
+pub struct Run {
+    /// Its name.
+    pub name: String,
+    /// Its samples among those of the repeat.
+    pub samples: Range<usize>,
+    /// What it drove: runs with the same number drove the same program in the same mounting.
+    pub program: usize,
+    /// Standard deviation of when its program began, s.
+    pub began_sigma_s: f64,
+}
+
+/// One repeat: runs that were identified together.
+#[derive(Debug)]
+pub struct Repeat {
+    /// The samples that the fit used, in the order of runs and time.
+    pub samples: Vec<Sample>,
+    /// What the fit follows at these samples.
+    pub basis: Basis,
+    /// Parameters of the model (mm, rad) per unit of `Q^T c`, `c` in mm.
+    pub factor: Matrix,
+    /// The runs.
+    pub runs: Vec<Run>,
+}
+
+/// What the model leaves of all repeats. It never changes: what is there beside effects is a
+/// [`Beside`](super::Beside).
+#[derive(Debug)]
+pub struct Residuals {
+    /// The repeats.
+    pub repeats: Vec<Repeat>,
+    /// Measured minus predicted, mm, times the root of the weight.
+    pub model_mm: Column,
+    /// How far each slide went, mm.
+    pub way_mm: [f64; 3],
+    /// How many arcs there are.
+    pub arcs: usize,
+}
+
+/// A program that was driven: mounting, duration (s) and number of blocks tell one from another.
+struct Driven(usize, f64, usize);
+
+impl Driven {
+    fn is(&self, other: &Self) -> bool {
+        self.0 == other.0 && (self.1 - other.1).abs() < SAME_DURATION * other.1 && self.2 == other.2
+    }
+}
+
+impl Residuals {
+    /// Of a campaign as it was identified.
+    ///
+    /// # Errors
+    /// When the rows of a fit are not finite.
+    pub fn of(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<Self> {
+        let options = Options::of(test);
+        let linear = campaign
+            .repeats
+            .par_iter()
+            .enumerate()
+            .map(|(index, repeat)| {
+                repeat.linearised(&campaign.model(test, machine, index)?, &options, MOST)
+            })
+            .collect::<Result<Vec<_>>>()?;
+        let mut arcs = 0;
+        let mut programs = Vec::new();
+        let (mut repeats, mut model_mm) = (Vec::new(), Vec::new());
+        for (identified, linear) in campaign.repeats.iter().zip(linear) {
+            let weighed = linear.samples.iter().map(|s| s.residual_mm * s.root_weight);
+            model_mm.push(weighed.collect());
+            repeats.push(Repeat::of(identified, linear, &mut arcs, &mut programs));
+        }
+        let way_mm = [0, 1, 2].map(|slide| {
+            let samples = repeats.iter().flat_map(|repeat: &Repeat| &repeat.samples);
+            let at = samples.map(|s| s.situation.pose.position_mm[slide]);
+            let (low, high) =
+                at.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+            (high - low).max(0.0)
+        });
+        Ok(Self { repeats, model_mm: Column::from(model_mm), way_mm, arcs })
+    }
+
+    /// The same samples with something added to what the model leaves, mm, as far as the fits do not follow
+    /// it.
+    #[must_use]
+    pub fn plus(mut self, column: &Column) -> Self {
+        let outside = self.outside(column);
+        self.model_mm.add(1.0, &outside);
+        self
+    }
+
+    /// How long the longest run is, s.
+    pub fn longest_s(&self) -> f64 {
+        let ends = self.repeats.iter().flat_map(|repeat| {
+            repeat.runs.iter().filter_map(|run| {
+                let of_run = repeat.samples.get(run.samples.clone())?;
+                let (first, last) = (of_run.first()?, of_run.last()?);
+                Some(last.elapsed_s() - first.elapsed_s())
+            })
+        });
+        ends.fold(1.0, f64::max)
+    }
+
+    /// How many samples.
+    pub fn samples(&self) -> usize {
+        self.repeats.iter().map(|repeat| repeat.samples.len()).sum()
+    }
+
+    /// Repeat and run of every run, in order.
+    pub fn runs(&self) -> impl Iterator<Item = (usize, usize)> {
+        let of_repeat = |(index, repeat): (usize, &Repeat)| {
+            (0..repeat.runs.len()).map(move |run| (index, run)).collect::<Vec<_>>()
+        };
+        self.repeats.iter().enumerate().flat_map(of_repeat)
+    }
+
+    /// Sum of squares of what the model leaves, mm².
+    pub fn model_mm2(&self) -> f64 {
+        self.model_mm.iter().map(|of_repeat| dot(of_repeat, of_repeat)).sum()
+    }
+
+    /// Root of the mean square over all samples, mm, of a sum of squares.
+    pub fn rms_mm(&self, squares_mm2: f64) -> f64 {
+        (squares_mm2 / self.samples().max(1) as f64).sqrt()
+    }
+
+    /// Zero at every sample.
+    pub fn zeros(&self) -> Column {
+        self.repeats.iter().map(|repeat| vec![0.0; repeat.samples.len()]).collect()
+    }
+
+    /// A column without its part in what the fits follow.
+    pub fn outside(&self, column: &Column) -> Column {
+        let repeats = column.par_iter().zip(&self.repeats);
+        let outside: Vec<_> = repeats.map(|(c, repeat)| repeat.basis.outside(c)).collect();
+        Column::from(outside)
+    }
+}
+
+impl Sample {
+    /// Time since the program began, s, on the machine's clock.
+    pub fn elapsed_s(&self) -> f64 {
+        self.situation.motion.elapsed_s
+    }
+}
+
+impl Repeat {
+    /// Counts its arcs and its programs on from those of the repeats before.
+    fn of(
+        identified: &Identification,
+        linear: Linearised,
+        arcs: &mut usize,
+        programs: &mut Vec<Driven>,
+    ) -> Self {
+        let mut last = None;
+        let mut samples = Vec::with_capacity(linear.samples.len());
+        for sample in linear.samples {
+            let now = Some((sample.run, sample.section));
+            if now != last {
+                *arcs += 1;
+                last = now;
+            }
+            let LinearSample { run, section, program_s, situation, root_weight, .. } = sample;
+            let arc = *arcs - 1;
+            samples.push(Sample { run, arc, section, program_s, situation, root_weight });
+        }
+        let runs = identified.runs.iter().enumerate().map(|(index, run)| {
+            let trajectory = &run.alignment.trajectory;
+            let this = Driven(run.mounting, trajectory.end_s(), trajectory.blocks().len());
+            let known = programs.iter().position(|other| other.is(&this));
+            let program = known.unwrap_or_else(|| {
+                programs.push(this);
+                programs.len() - 1
+            });
+            let first = samples.partition_point(|s| s.run < index);
+            Run {
+                name: run.name.clone(),
+                samples: first..samples.partition_point(|s| s.run <= index),
+                program,
+                began_sigma_s: run.alignment.began_sigma_s,
+            }
+        });
+        let runs = runs.collect();
+        Self { samples, basis: linear.basis, factor: linear.factor, runs }
+    }
+}

@@ -1,0 +1,123 @@
+//! Columns with their products: what they explain of residuals, beside what is accepted.
+
+use rayon::prelude::*;
+
+use super::beside::Beside;
+use super::column::Column;
+use super::element::Element;
+use super::residuals::Residuals;
+use crate::solve::{Cholesky, Matrix, dot};
+
+/// What is added to the diagonal, as a share of a column's square: amplitudes that the model spans, such as some
+/// orders of a ball's roundness, stay small instead of running away; of others this changes nothing.
+const RIDGE: f64 = 1e-6;
+
+/// Columns with their products.
+#[derive(Debug, Default)]
+pub struct System {
+    pub(super) columns: Vec<Column>,
+    /// `Q^T c` of each column in each repeat.
+    along: Vec<Vec<Vec<f64>>>,
+    /// Products with the accepted columns.
+    accepted: Vec<Vec<f64>>,
+    normal: Matrix,
+    common: Vec<f64>,
+    /// Products of the columns as they are, row after row of the lower triangle.
+    products: Vec<Vec<f64>>,
+}
+
+impl System {
+    /// The columns of an element, beside what is accepted.
+    pub fn of(beside: &Beside, element: &Element) -> Self {
+        let mut system = Self::default();
+        system.push(beside, element.columns(beside.residuals));
+        system
+    }
+
+    /// The largest part of a column's square that lies outside of what the fits and accepted effects follow.
+    pub fn share_outside(&self) -> f64 {
+        let share = |k: usize| self.normal[(k, k)] / self.products[k][k].max(f64::MIN_POSITIVE);
+        (0..self.columns.len()).map(share).fold(0.0, f64::max)
+    }
+
+    /// What the columns explain beside what is accepted now, mm², wherever the numbers inside are; `None`
+    /// where they cannot be told from what is followed already, or from each other.
+    pub fn gain_mm2(&self, beside: &Beside) -> Option<f64> {
+        let n = self.columns.len();
+        let accepted: Vec<Vec<f64>> = self
+            .columns
+            .iter()
+            .map(|column| beside.span.iter().map(|unit| unit.product(column)).collect())
+            .collect();
+        let alone = Matrix::from_fn(n, n, |i, k| {
+            let both = self.products[i.max(k)][i.min(k)];
+            let ridge = if i == k { RIDGE * both } else { 0.0 };
+            both + ridge - self.followed(i, k) - dot(&accepted[i], &accepted[k])
+        });
+        let common: Vec<f64> =
+            self.columns.iter().map(|column| column.product(&beside.left_mm)).collect();
+        Some(dot(&Cholesky::of(&alone)?.solve(&common), &common))
+    }
+
+    /// What the fits follow of the product of two columns.
+    fn followed(&self, i: usize, k: usize) -> f64 {
+        self.along[i].iter().zip(&self.along[k]).map(|(a, b)| dot(a, b)).sum()
+    }
+
+    /// Adds columns.
+    pub(super) fn push(&mut self, beside: &Beside, columns: Vec<Column>) {
+        let first = self.columns.len();
+        let along = along(beside.residuals, &columns);
+        for (column, along) in columns.into_iter().zip(along) {
+            self.along.push(along);
+            self.accepted.push(beside.span.iter().map(|unit| unit.product(&column)).collect());
+            self.common.push(column.product(&beside.left_mm));
+            self.columns.push(column);
+        }
+        let n = self.columns.len();
+        let mut normal = Matrix::zeros(n, n);
+        for i in 0..n {
+            if i >= first {
+                let before = self.columns[..=i].iter();
+                self.products.push(before.map(|other| self.columns[i].product(other)).collect());
+            }
+            for k in 0..=i {
+                normal[(i, k)] = if i < first {
+                    self.normal[(i, k)]
+                } else {
+                    let accepted = dot(&self.accepted[i], &self.accepted[k]);
+                    self.products[i][k] - self.followed(i, k) - accepted
+                };
+                normal[(k, i)] = normal[(i, k)];
+            }
+        }
+        self.normal = normal;
+    }
+
+    /// Normal matrix and right-hand side of the first so many columns.
+    pub(super) fn part(&self, keep: usize) -> (Matrix, &[f64]) {
+        let normal = Matrix::from_fn(keep, keep, |i, k| {
+            match self.normal[(i, k)] {
+                // What nothing tells, such as the phase of a run that takes no part, stays zero.
+                0.0 if i == k => 1.0,
+                value if i == k => value + RIDGE * self.products[k][k],
+                value => value,
+            }
+        });
+        (normal, &self.common[..keep])
+    }
+}
+
+/// `Q^T c` of columns, each repeat after repeat, in one pass.
+fn along(residuals: &Residuals, columns: &[Column]) -> Vec<Vec<Vec<f64>>> {
+    let by_repeat: Vec<Vec<Vec<f64>>> = residuals
+        .repeats
+        .par_iter()
+        .enumerate()
+        .map(|(index, repeat)| {
+            let of_repeat: Vec<&[f64]> = columns.iter().map(|c| c[index].as_slice()).collect();
+            repeat.basis.along(&of_repeat)
+        })
+        .collect();
+    (0..columns.len()).map(|k| by_repeat.iter().map(|repeat| repeat[k].clone()).collect()).collect()
+}

@@ -1,0 +1,157 @@
+//! Truth put in, truth got back within the stated sigma, on an equator with known noise.
+
+use super::bench::{effect, element, residuals, white};
+use super::*;
+use crate::model::AMPLITUDE;
+
+/// Noise of a reading, mm.
+const NOISE_MM: f64 = 1.5e-4;
+
+/// Residuals with an effect put in by its columns, sine and cosine where it is a wave.
+fn with(seed: u64, truth: &Element, amplitudes: &[f64]) -> Residuals {
+    let residuals = residuals(3, white(seed, NOISE_MM));
+    let mut sum = residuals.zeros();
+    for (amplitude, column) in amplitudes.iter().zip(truth.columns(&residuals)) {
+        sum.add(*amplitude, &column);
+    }
+    residuals.plus(&sum)
+}
+
+#[test]
+fn what_a_model_follows_is_never_left() {
+    let residuals = residuals(2, white(1, NOISE_MM));
+    let scale = element("drift:on=EXX1,time_constant_s=1e6").columns(&residuals).remove(0);
+    let set_up: Column = residuals
+        .repeats
+        .iter()
+        .map(|repeat| repeat.samples.iter().map(|s| s.situation.direction.x).collect())
+        .collect();
+    assert!(residuals.outside(&set_up).square() < 1e-20 * set_up.square());
+    // A scale that warms is not the scale itself.
+    assert!(residuals.outside(&scale).square() > 1e-3 * scale.square());
+}
+
+#[test]
+fn beside_an_effect_nothing_of_it_is_left_and_twice_is_once() {
+    let (truth, _) = effect("cyclic:on=EXX,amplitude_um=1,period_mm=10");
+    let residuals = with(2, &truth, &[8e-4, 6e-4]);
+    let columns = truth.columns(&residuals);
+    let once = residuals.beside(&columns);
+    for column in &columns {
+        let along = residuals.outside(column).product(&once.left_mm);
+        assert!(along.abs() < 1e-9 * column.square().sqrt(), "{along}");
+    }
+    let twice = residuals.beside(&[columns.clone(), columns].concat());
+    assert_eq!(twice.span.len(), once.span.len(), "what is accepted already adds nothing");
+    assert!((twice.left_mm2() - once.left_mm2()).abs() < 1e-12 * once.left_mm2());
+    assert!(once.left_mm2() < 0.2 * residuals.alone().left_mm2());
+}
+
+#[test]
+fn a_fit_finds_amplitudes_and_the_number_inside() {
+    let (truth, of) = effect("cyclic:on=EXX,amplitude_um=1.2,period_mm=10,phase_rad=0.7");
+    let amplitude = of.get(AMPLITUDE);
+    let sine_cosine = [amplitude * 0.7_f64.cos(), amplitude * 0.7_f64.sin()];
+    let residuals = with(3, &truth, &sine_cosine);
+    let alone = residuals.alone();
+    let fitted = fit(&alone, vec![element("cyclic:on=EXX,period_mm=10.06")]).unwrap();
+    let variance = NOISE_MM * NOISE_MM;
+    for (k, truth) in sine_cosine.into_iter().enumerate() {
+        let sigma = (variance * fitted.inverse[(k, k)]).sqrt();
+        let error = fitted.amplitudes[0][k] - truth;
+        assert!(error.abs() < 4.0 * sigma, "{error} of {sigma}");
+    }
+    let inner = fitted.inner_index(0).unwrap();
+    let sigma = (variance * fitted.inverse[(inner, inner)]).sqrt();
+    let period_mm = fitted.elements[0].shape().unwrap().inner.unwrap();
+    let sigma_mm = fitted.elements[0].inner_sigma(sigma).unwrap();
+    assert!((period_mm - 10.0).abs() < 4.0 * sigma_mm, "{period_mm} +- {sigma_mm}");
+    assert!(sigma_mm < 1e-3, "{sigma_mm}");
+    // The gain is what the sum of squares really falls by.
+    let fall = alone.left_mm2() - fitted.left_mm(&alone).square();
+    assert!((fall / fitted.gain_mm2 - 1.0).abs() < 1e-5, "{fall} {}", fitted.gain_mm2);
+}
+
+#[test]
+fn the_stated_covariance_is_the_scatter() {
+    const DRAWS: u64 = 200;
+    let (truth, _) = effect("cyclic:on=EYY,amplitude_um=0.5,period_mm=12");
+    let at_truth = truth.free().unwrap();
+    let mut squares = [0.0; 3];
+    for seed in 0..DRAWS {
+        let residuals = with(100 + seed, &truth, &[5e-4, 0.0]);
+        let fitted = fit(&residuals.alone(), vec![truth.clone()]).unwrap();
+        let errors = [
+            fitted.amplitudes[0][0] - 5e-4,
+            fitted.amplitudes[0][1],
+            fitted.elements[0].free().unwrap() - at_truth,
+        ];
+        for (k, (sum, error)) in squares.iter_mut().zip(errors).enumerate() {
+            *sum += error * error / (NOISE_MM * NOISE_MM * fitted.inverse[(k, k)]);
+        }
+    }
+    for sum in squares {
+        // The root of a mean of 200 squares is uncertain by 5 %.
+        let ratio = (sum / DRAWS as f64).sqrt();
+        assert!((ratio - 1.0).abs() < 0.2, "{squares:?}");
+    }
+}
+
+#[test]
+fn what_columns_explain_is_what_their_fit_gains() {
+    let (truth, _) = effect("cyclic:on=EXX,amplitude_um=1,period_mm=10");
+    let residuals = with(4, &truth, &[1e-3, 0.0]);
+    let alone = residuals.alone();
+    for term in ["drift:on=EYt,time_constant_s=100", "growing-backlash:on=EXX"] {
+        let element = element(term);
+        let system = System::of(&alone, &element);
+        let beside = residuals.beside(&truth.columns(&residuals));
+        for ground in [&alone, &beside] {
+            let direct = System::of(ground, &element).gain_mm2(ground).unwrap();
+            let later = system.gain_mm2(ground).unwrap();
+            assert!((direct - later).abs() < 1e-9 * direct.max(1e-12), "{term}: {direct} {later}");
+        }
+    }
+}
+
+#[test]
+fn white_noise_has_one_variance() {
+    let residuals = residuals(4, white(5, NOISE_MM));
+    let noise = *residuals.alone().noise();
+    let variance = NOISE_MM * NOISE_MM;
+    // Of some 9000 readings, Bartlett's window over 20 of them: uncertain by some 6 %.
+    assert!((noise.variance_mm2 / variance - 1.0).abs() < 0.05, "{noise:?}");
+    assert!((noise.neighbours_mm2 / variance - 1.0).abs() < 0.05, "{noise:?}");
+    assert!((noise.long_run_mm2 / variance - 1.0).abs() < 0.25, "{noise:?}");
+    assert!((noise.by_chance_mm2(3) / (6.0 * noise.long_run_mm2) - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn correlated_noise_gains_more_by_chance_than_its_neighbours_tell() {
+    // First order, correlation 0.6 from one reading to the next: long-run variance (1 + r) / (1 - r) = 4 times.
+    let (mut draw, mut state, correlation) = (white(6, 1.0), 0.0, 0.6_f64);
+    let residuals = residuals(4, move || {
+        state = correlation * state + (1.0 - correlation * correlation).sqrt() * draw();
+        NOISE_MM * state
+    });
+    let noise = *residuals.alone().noise();
+    let variance = NOISE_MM * NOISE_MM;
+    assert!((noise.variance_mm2 / variance - 1.0).abs() < 0.1, "{noise:?}");
+    assert!((noise.neighbours_mm2 / (0.4 * variance) - 1.0).abs() < 0.1, "{noise:?}");
+    assert!((noise.long_run_mm2 / (4.0 * variance) - 1.0).abs() < 0.35, "{noise:?}");
+}
+
+#[test]
+fn what_repeats_is_told_from_what_does_not() {
+    let (truth, _) = effect("cyclic:on=EXX,amplitude_um=0.3,period_mm=10");
+    let residuals = with(7, &truth, &[3e-4, 0.0]);
+    let shared = structure(&residuals, &residuals.model_mm, |_| true).unwrap();
+    let put_in = residuals.outside(&truth.columns(&residuals)[0]).square() * 9e-8;
+    let mean_mm2 = put_in / residuals.samples() as f64;
+    let aside = (shared.variance_mm2 - mean_mm2).abs();
+    assert!(aside < 4.0 * shared.sigma_mm2, "{shared:?} {mean_mm2}");
+    let beside = residuals.beside(&truth.columns(&residuals));
+    let left = structure(&residuals, &beside.left_mm, |_| true).unwrap();
+    assert!(left.variance_mm2.abs() < 4.0 * left.sigma_mm2, "{left:?}");
+    assert!(structure(&residuals, &residuals.model_mm, |_| false).is_none());
+}
