@@ -36,8 +36,6 @@ pub(crate) const INSTEAD_OF_A_CURVE: f64 = 0.99;
 pub(crate) const SHADOW: f64 = 0.25;
 /// An effect so many times larger, rms, than what all effects together explain is there to cancel another. By trial.
 pub(crate) const FIGHTING: f64 = 2.0;
-/// Waves longer than this are smooth: of such, several make any curve. By trial; screws have pitches up to 20 mm.
-pub(crate) const SMOOTH_MM: f64 = 25.0;
 
 /// Two effects whose traces differ by less than this share of their squares are the same in these runs, whatever the
 /// noise. By trial: 3 % of the rms.

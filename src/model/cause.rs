@@ -1,80 +1,30 @@
-//! The library of causes: what a machine or a bar may do beyond cubics and hysteresis.
+//! What a cause is: one entry of the table of causes.
 //!
-//! A cause is known by its name, acts on a [`SeatKind`], and has numbers with units. The table is the
-//! one vocabulary of `simulate --hide`, of `model.toml`, of diagnosis and of the trial; what a cause does
-//! to the machine the simulator works out by itself, and what it does to the readings stands in [`Shape`](super::Shape).
+//! The table is the one vocabulary of `simulate --hide`, of `model.toml`, of diagnosis, of the trial and of
+//! `docs/reference.md`. A new cause is an entry in [`CAUSES`](super::CAUSES) and its formula in the simulator,
+//! which works out by itself what a cause does to the machine.
 
-/// What a cause acts on: the key `on` of an [`Effect`](super::Effect).
+use super::coefficient::{Ball, Coefficient, Component, Power, SetUp};
+use super::key::Key;
+use super::law::{Inner, Law, Over};
+use super::seat::{Seat, SeatKind};
+use super::unit::Unit;
+use crate::machine::Axis;
+
+/// In which runs of a campaign an effect is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SeatKind {
-    /// An error function, such as `EXX` or `EBZ`.
-    Function,
-    /// An angular error function only, such as `EBZ`.
-    Angle,
-    /// A slide: `X`, `Y` or `Z`.
-    Slide,
-    /// A slide, or all alike where none is named.
-    Slides,
-    /// What warms: a ball (`EZt`, `EXw`), the scale of a slide (`EXX1`) or the bar (`bar`).
-    Body,
-    /// A ball: `EXt` .. `EZw`.
-    Ball,
-    /// A ball of the tool or the bar's own length: `EXt`, `EYt`, `EZt`, `bar`.
-    Reading,
-    /// A coefficient of the paper, such as `EBX3`.
-    Coefficient,
-    /// Nothing: it acts on the whole.
-    None,
-}
-
-/// A number of a cause.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Key {
-    /// Its name with the unit in which it is written; `amplitude` takes the unit of what the cause acts
-    /// on: `amplitude_um`, `amplitude_urad` or, for a scale, `amplitude_um_m`.
-    pub name: &'static str,
-    /// What a number in the written unit is multiplied by to be in mm, s, rad.
-    pub si: f64,
-    /// What it is where it is not given; `None` where it must be.
-    pub default: Option<f64>,
-    /// From .. to, in the written unit.
-    pub limits: [f64; 2],
-}
-
-/// The name of the key whose unit hangs on the seat.
-pub const AMPLITUDE: &str = "amplitude";
-
-/// Which cause, for those who work it out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[expect(missing_docs, reason = "the table of causes says what each is")]
-pub enum Kind {
-    Cyclic,
-    Servo,
-    ReversalSpike,
-    GrowingBacklash,
-    PreSliding,
-    Drift,
-    Knock,
-    BarLength,
-    Roundness,
-    Degree,
-    Vibration,
-    StickSlip,
-    FeedOverride,
-    Clock,
-    BallPlace,
-    Pivot,
-    Coefficient,
-    Bump,
-    Joint,
-    FrictionTilt,
+pub enum Runs {
+    /// The same in all.
+    Alike,
+    /// In each with amplitudes of its own.
+    Each,
+    /// In one.
+    One,
 }
 
 /// One cause.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub struct Cause {
-    /// Which it is.
-    pub kind: Kind,
     /// Its name, such as `cyclic`.
     pub id: &'static str,
     /// In words.
@@ -83,7 +33,16 @@ pub struct Cause {
     pub seat: SeatKind,
     /// Its numbers.
     pub keys: &'static [Key],
-    /// What it does, as an equation; `A` is the amplitude, `h` the position of a slide (mm), `b` its
+    /// What it does.
+    pub law: Law,
+    /// What it does where it acts on all axes alike, if that is something else.
+    pub law_of_all: Option<Law>,
+    /// In which runs it is.
+    pub runs: Runs,
+    /// Whether, with this number inside, several of it make any curve over its variable: a curve is named then,
+    /// rather than what it is made of.
+    pub makes_any_curve: fn(f64) -> bool,
+    /// What it does, as an equation; `A` is the amplitude, `h` the position of an axis (mm), `b` its
     /// sense, `v` its velocity, `t` the time since the program began.
     pub equation: &'static str,
     /// Where it comes from.
@@ -92,20 +51,61 @@ pub struct Cause {
     pub remedy: &'static str,
     /// What it is easily taken for.
     pub taken_for: &'static str,
-    /// Whether diagnosis looks for it; what it does not know is there to be hidden from it.
-    pub known: bool,
+    /// What is said where nothing of it is left outside of the model, with `{}` for the seats; empty where that is
+    /// not said.
+    pub unseen: &'static str,
 }
 
-impl PartialEq<str> for Cause {
-    fn eq(&self, id: &str) -> bool {
-        self.id == id
+impl PartialEq for Cause {
+    fn eq(&self, other: &Self) -> bool {
+        self.id == other.id
     }
 }
 
 impl Cause {
-    /// The whole numbers that a key of this name may be; none where there is no such key.
-    pub fn whole_numbers(&self, key: &str) -> impl Iterator<Item = f64> + use<> {
-        let limits = self.keys.iter().find(|known| known.name == key).map(|known| known.limits);
-        limits.into_iter().flat_map(|[low, high]| (low as i32..=high as i32).map(f64::from))
+    /// What it does on a seat.
+    pub fn law(&self, seat: Seat) -> &Law {
+        self.law_of_all.as_ref().filter(|_| seat == Seat::Whole).unwrap_or(&self.law)
+    }
+
+    /// Its number inside on a seat, with its key.
+    pub fn inner(&self, seat: Seat) -> Option<(&Inner, &Key)> {
+        let inner = self.law(seat).inner()?;
+        Some((inner, self.keys.iter().find(|key| key.name == inner.key)?))
+    }
+
+    /// Whether diagnosis looks for it.
+    pub fn is_known(&self) -> bool {
+        !matches!(self.law, Law::Unknown(_))
+    }
+
+    /// What it hangs on, where that is one variable.
+    pub fn over(&self) -> Option<&Over> {
+        self.law.over()
+    }
+
+    /// Everything that it is looked for on. A workpiece ball that moves is, but for the sign, a tool ball that does.
+    pub fn seats(&self) -> Vec<Seat> {
+        let axes = Axis::ALL.into_iter();
+        let tool_balls = axes.clone().map(|axis| Seat::Ball(SetUp { ball: Ball::Tool, axis }));
+        let functions = axes.clone().flat_map(|slide| {
+            Component::ALL.into_iter().map(move |component| Seat::Function(slide, component))
+        });
+        let scales = [Component::X, Component::Y, Component::Z].into_iter().zip(axes.clone()).map(
+            |(component, slide)| {
+                Seat::Coefficient(Coefficient { slide, component, power: Power::P1 })
+            },
+        );
+        match self.seat {
+            SeatKind::Function => functions.collect(),
+            SeatKind::Angle => functions.filter(|seat| seat.unit() == Unit::URAD).collect(),
+            SeatKind::Slide => axes.map(Seat::Slide).collect(),
+            SeatKind::Slides => axes.map(Seat::Slide).chain([Seat::Whole]).collect(),
+            SeatKind::Body => tool_balls.chain(scales).chain([Seat::Bar]).collect(),
+            SeatKind::Ball => tool_balls.collect(),
+            SeatKind::Reading => tool_balls.chain([Seat::Bar]).collect(),
+            SeatKind::Coefficient => Coefficient::all().map(Seat::Coefficient).collect(),
+            SeatKind::None => vec![Seat::Whole],
+        }
     }
 }

@@ -2,90 +2,11 @@
 
 use std::fmt;
 
-use super::cause::{AMPLITUDE, Cause, Key, SeatKind};
+use super::cause::Cause;
 use super::causes::CAUSES;
-use super::coefficient::{Ball, Coefficient, Component, Power, SetUp};
+use super::key::{DEGREE, Key, ORDER};
+use super::seat::{Seat, SeatKind};
 use crate::error::{Error, Result};
-use crate::machine::Axis;
-
-/// What an effect acts on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Seat {
-    /// One of the 18 error functions: slide and component, such as `EXX`.
-    Function(Axis, Component),
-    /// A slide as a whole.
-    Slide(Axis),
-    /// A ball in one direction.
-    Ball(SetUp),
-    /// A coefficient, such as the scale `EXX1`.
-    Coefficient(Coefficient),
-    /// The bar's own length.
-    Bar,
-    /// Everything.
-    Whole,
-}
-
-impl Seat {
-    /// Reads `EXX`, `X`, `EZt`, `EXX1` or `bar`.
-    pub fn parse(name: &str) -> Option<Self> {
-        if name == "bar" {
-            return Some(Self::Bar);
-        }
-        if let Some(set_up) = SetUp::parse(name) {
-            return Some(Self::Ball(set_up));
-        }
-        if let Some(coefficient) = Coefficient::parse(name) {
-            return Some(Self::Coefficient(coefficient));
-        }
-        if let Some(of) = Coefficient::parse(&format!("{name}0")) {
-            return Some(Self::Function(of.slide, of.component));
-        }
-        Axis::ALL.into_iter().find(|axis| axis.to_string() == name).map(Self::Slide)
-    }
-
-    /// Unit of an amplitude on it as it is written, and what mm, rad or mm/mm are of it.
-    pub fn amplitude_unit(self) -> (&'static str, f64) {
-        match self {
-            Self::Function(_, component) if component.is_angular() => ("urad", 1e-6),
-            Self::Coefficient(coefficient) if coefficient.component.is_angular() => ("urad", 1e-6),
-            Self::Coefficient(_) => ("um_m", 1e-6),
-            _ => ("um", 1e-3),
-        }
-    }
-
-    fn fits(self, kind: SeatKind) -> bool {
-        match (kind, self) {
-            (SeatKind::Function, Self::Function(..))
-            | (SeatKind::Slide | SeatKind::Slides, Self::Slide(_))
-            | (SeatKind::Slides | SeatKind::None, Self::Whole)
-            | (SeatKind::Ball | SeatKind::Body, Self::Ball(_))
-            | (SeatKind::Body | SeatKind::Reading, Self::Bar)
-            | (SeatKind::Coefficient, Self::Coefficient(_)) => true,
-            (SeatKind::Angle, Self::Function(_, component)) => component.is_angular(),
-            (SeatKind::Reading, Self::Ball(set_up)) => set_up.ball == Ball::Tool,
-            (SeatKind::Body, Self::Coefficient(of)) => {
-                of.power == Power::P1 && of.component as usize == of.slide.index()
-            }
-            _ => false,
-        }
-    }
-}
-
-impl fmt::Display for Seat {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Function(slide, component) => write!(f, "E{}{slide}", component.letter()),
-            Self::Slide(axis) => write!(f, "{axis}"),
-            Self::Ball(set_up) => write!(f, "{set_up}"),
-            Self::Coefficient(coefficient) => write!(f, "{coefficient}"),
-            Self::Bar => f.write_str("bar"),
-            Self::Whole => Ok(()),
-        }
-    }
-}
-
-/// Keys that count something.
-const WHOLE: [&str; 4] = ["degree", "order", "run", "mounting"];
 
 /// A cause at work.
 #[derive(Debug, Clone, PartialEq)]
@@ -123,9 +44,9 @@ impl Effect {
         self
     }
 
-    /// The key that scales the effect: the first one, except where the cause has none.
-    pub fn size_key(&self) -> Option<&'static str> {
-        self.cause.keys.first().map(|key| key.name)
+    /// The number that scales the effect: the first one; none where the cause has no numbers.
+    pub fn size_key(&self) -> Option<&'static Key> {
+        self.cause.keys.first()
     }
 
     /// Reads `CAUSE:key=value,key=value`.
@@ -190,7 +111,7 @@ impl Effect {
         })?;
         let mut values: Vec<Option<f64>> = vec![None; cause.keys.len()];
         for (name, number) in numbers {
-            let known = cause.keys.iter().position(|key| key.written(seat).0 == *name);
+            let known = cause.keys.iter().position(|key| key.written(seat) == *name);
             let index = known.ok_or_else(|| refuse(format!("`{id}` has no `{name}`")))?;
             let key = &cause.keys[index];
             let [low, high] = key.limits;
@@ -199,7 +120,7 @@ impl Effect {
                     "`{name}` of `{id}` must be from {low} to {high}, not {number}"
                 )));
             }
-            if WHOLE.contains(&key.name) && number.fract() != 0.0 {
+            if key.is_whole() && number.fract() != 0.0 {
                 return Err(Error::input(format!(
                     "`{name}` of `{id}` must be a whole number, not {number}"
                 ))
@@ -208,19 +129,19 @@ impl Effect {
             if values[index].is_some() {
                 return Err(refuse(format!("`{name}` of `{id}` is given twice")));
             }
-            values[index] = Some(number * key.written(seat).1);
+            values[index] = Some(number * key.unit(seat).si);
         }
         let values = values
             .into_iter()
             .zip(cause.keys)
             .map(|(value, key)| {
-                value.or_else(|| key.default.map(|d| d * key.si)).ok_or_else(|| {
-                    refuse(format!("`{id}` does not say its `{}`", key.written(seat).0))
+                value.or_else(|| key.default.map(|d| d * key.unit(seat).si)).ok_or_else(|| {
+                    refuse(format!("`{id}` does not say its `{}`", key.written(seat)))
                 })
             })
             .collect::<Result<_>>()?;
         let effect = Self { cause, seat, values };
-        let (degree, order) = (effect.get("degree"), effect.get("order"));
+        let (degree, order) = (effect.get(DEGREE), effect.get(ORDER));
         if order.abs() > degree {
             return Err(Error::input(format!(
                 "`order` of `{id}` must be from -{degree} to {degree}, its degree, not {order}"
@@ -234,11 +155,10 @@ impl Effect {
     pub fn written(&self) -> Vec<(String, f64)> {
         let each = self.cause.keys.iter().zip(&self.values);
         each.map(|(key, value)| {
-            let (name, si) = key.written(self.seat);
             // Without the last digits, which a change of units leaves behind.
-            let number = value / si;
+            let number = value / key.unit(self.seat).si;
             let digits = 1e12 / 10f64.powi(number.abs().max(1e-30).log10().floor() as i32);
-            (name, (number * digits).round() / digits)
+            (key.written(self.seat), (number * digits).round() / digits)
         })
         .collect()
     }
@@ -261,7 +181,7 @@ impl Effect {
             SeatKind::None => "",
         };
         let seat = Seat::parse(on.trim_start_matches("on=")).unwrap_or(Seat::Whole);
-        let keys = cause.keys.iter().map(|key| format!("{}=...", key.written(seat).0));
+        let keys = cause.keys.iter().map(|key| format!("{}=...", key.written(seat)));
         let on = Some(on.to_owned()).filter(|on| !on.is_empty());
         let parts: Vec<String> = on.into_iter().chain(keys).collect();
         let or = match cause.seat {
@@ -272,17 +192,6 @@ impl Effect {
             _ => "",
         };
         format!("write `{}:{}`{or}", cause.id, parts.join(","))
-    }
-}
-
-impl Key {
-    /// Its name as it is written for a seat, and the factor to mm, s, rad.
-    pub fn written(&self, seat: Seat) -> (String, f64) {
-        if self.name != AMPLITUDE {
-            return (self.name.to_owned(), self.si);
-        }
-        let (unit, si) = seat.amplitude_unit();
-        (format!("{AMPLITUDE}_{unit}"), si)
     }
 }
 

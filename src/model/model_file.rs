@@ -27,7 +27,8 @@ use std::path::Path;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::effect::{Effect, Seat};
+use super::effect::Effect;
+use super::seat::Seat;
 use super::variable::{Empirical, Variable};
 use crate::error::{Error, Result};
 use crate::toml_text::{self, Text};

@@ -1,85 +1,24 @@
 //! Effects as terms: what the causes that diagnosis knows do to the length.
 //!
 //! The column of an effect is `s(pose) · f(motion; shape)`: `s` is what the length is sensitive to, the
-//! effect's [`Seat`], and `f` hangs on few numbers, such as a period or a time constant, that are held
-//! while the term is part of a model. Diagnosis estimates them; see the room `diagnose`.
+//! effect's [`Seat`], and `f`, its [`Law`], hangs on one number, such as a period or a time constant, that is
+//! held while the term is part of a model. Diagnosis estimates it; see the room `diagnose`.
 
-use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
 use nalgebra::Vector3;
 
-use super::cause::{Cause, Kind};
-use super::coefficient::Ball;
-use super::effect::{Effect, Seat};
-use super::harmonics::harmonics;
+use super::cause::Cause;
+use super::effect::Effect;
 use super::jacobian::Situation;
-use super::motion::{Corner, Motion};
+use super::key::{Key, ORDER, PHASE, RUN};
+use super::law::Law;
+use super::motion::Motion;
+use super::seat::Seat;
 use super::term::{Parameter, Term};
+use super::variable::Dependence;
 use crate::error::{Error, Result};
-use crate::machine::{ChainErrors, Pose};
-
-impl Seat {
-    /// What the length gains where this is displaced by one of its unit, mm per mm or rad.
-    ///
-    /// A slide as a whole is displaced in the programmed sense: the tool against the workpiece.
-    pub fn sensitivity(self, at: &Situation) -> f64 {
-        match self {
-            Self::Function(slide, component) => {
-                let gradient = &at.slides[slide.index()];
-                let along = if component.is_angular() {
-                    &gradient.rotation_mm
-                } else {
-                    &gradient.translation
-                };
-                along[component.direction()]
-            }
-            Self::Slide(axis) => at.direction[axis.index()],
-            Self::Ball(set_up) => match set_up.ball {
-                Ball::Tool => at.direction[set_up.axis.index()],
-                Ball::Workpiece => -at.direction[set_up.axis.index()],
-            },
-            Self::Coefficient(of) => {
-                let mut column = [0.0];
-                of.columns(at, &mut column);
-                column[0]
-            }
-            Self::Bar | Self::Whole => 1.0,
-        }
-    }
-
-    /// Displaces this in the exact chain by an amount in mm or rad; the length of the bar is none of it.
-    pub(super) fn displace(
-        self,
-        amount: f64,
-        pose: &Pose,
-        motion: &Motion,
-        errors: &mut ChainErrors,
-    ) {
-        match self {
-            Self::Function(slide, component) => {
-                let slide = &mut errors.slides[slide.index()];
-                let of = if component.is_angular() {
-                    &mut slide.rotation_rad
-                } else {
-                    &mut slide.translation_mm
-                };
-                of[component.direction()] += amount;
-            }
-            // The tool against the workpiece: at the tool, whichever side the slide is on.
-            Self::Slide(axis) => errors.tool_ball_mm[axis.index()] += amount,
-            Self::Ball(set_up) => {
-                let ball = match set_up.ball {
-                    Ball::Tool => &mut errors.tool_ball_mm,
-                    Ball::Workpiece => &mut errors.workpiece_ball_mm,
-                };
-                ball[set_up.axis.index()] += amount;
-            }
-            Self::Coefficient(of) => of.bend(&[amount], pose, motion, 0, errors),
-            Self::Bar | Self::Whole => {}
-        }
-    }
-}
+use crate::machine::{Axis, ChainErrors, Pose};
 
 /// An effect whose amplitudes are parameters and whose inner numbers are held.
 #[derive(Debug, Clone, PartialEq)]
@@ -93,33 +32,11 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// The name of the inner number among the keys of its cause.
-    pub fn inner_key(cause: &Cause, seat: Seat) -> Option<&'static str> {
-        Some(match cause.kind {
-            Kind::Servo if seat == Seat::Whole => "delay_ms",
-            Kind::Cyclic => "period_mm",
-            Kind::ReversalSpike => "decay_ms",
-            Kind::PreSliding => "distance_mm",
-            Kind::Drift => "time_constant_s",
-            Kind::Knock => "moment_s",
-            Kind::Roundness | Kind::Degree => "degree",
-            Kind::Vibration => "frequency_hz",
-            Kind::StickSlip => "speed_mm_min",
-            _ => return None,
-        })
-    }
-
     /// The shape of an effect; `None` for a cause that has no column of its own.
     pub fn of(effect: &Effect) -> Option<Self> {
-        let bends = !matches!(
-            effect.cause.kind,
-            Kind::FeedOverride | Kind::Clock | Kind::BallPlace | Kind::Pivot
-        );
-        (effect.cause.known && bends).then(|| Self {
-            cause: effect.cause,
-            seat: effect.seat,
-            inner: Self::inner_key(effect.cause, effect.seat).map(|key| effect.get(key)),
-        })
+        let Effect { cause, seat, .. } = *effect;
+        let inner = cause.inner(seat).map(|(inner, _)| effect.get(inner.key));
+        cause.law.is_term().then_some(Self { cause, seat, inner })
     }
 
     /// Reads `CAUSE:on=SEAT,inner=number`: an effect without its amplitude, as the name of a term.
@@ -135,9 +52,9 @@ impl Shape {
         if let Some(cause) = Cause::named(id) {
             let on = rest.split(',').find_map(|pair| pair.trim().strip_prefix("on="));
             let seat = on.and_then(Seat::parse).unwrap_or(Seat::Whole);
-            let inner = Self::inner_key(cause, seat);
+            let inner = cause.inner(seat).map(|(inner, _)| inner.key);
             for key in cause.keys.iter().filter(|key| Some(key.name) != inner) {
-                let name = key.written(seat).0;
+                let name = key.written(seat);
                 if !given(&name) {
                     let _ = write!(whole, ",{name}={}", key.default.unwrap_or(1.0));
                 }
@@ -153,70 +70,52 @@ impl Shape {
     /// The name as a term: what [`parse`](Self::parse) reads.
     pub fn term_name(&self) -> String {
         let on = (self.seat != Seat::Whole).then(|| format!("on={}", self.seat));
-        let inner = Self::inner_key(self.cause, self.seat).zip(self.inner).map(|(key, inner)| {
-            let si = self.cause.keys.iter().find(|k| k.name == key).map_or(1.0, |k| k.si);
-            format!("{key}={}", (inner / si * 1e9).round() / 1e9)
+        let inner = self.inner_as_written().map(|(key, inner)| {
+            format!("{}={}", key.written(self.seat), (inner * 1e9).round() / 1e9)
         });
         let parts: Vec<String> = on.into_iter().chain(inner).collect();
         format!("{}:{}", self.cause.id, parts.join(","))
     }
 
-    /// How many amplitudes it has.
-    pub fn amplitudes(&self) -> usize {
-        match self.cause.kind {
-            // Sine and cosine.
-            Kind::Cyclic | Kind::Vibration => 2,
-            Kind::Roundness => 2 * self.inner.unwrap_or(0.0) as usize + 1,
-            _ => 1,
-        }
+    /// The key of its inner number, and the number as it is written.
+    fn inner_as_written(&self) -> Option<(&'static Key, f64)> {
+        let (_, key) = self.cause.inner(self.seat)?;
+        Some((key, self.inner? / key.unit(self.seat).si))
     }
 
-    /// `f`: what one of each amplitude does to the seat at a pose, with the bar along a unit vector.
+    /// What it does.
+    pub fn law(&self) -> &'static Law {
+        self.cause.law(self.seat)
+    }
+
+    /// What it displaces and what it hangs on, where that is one variable.
+    pub fn dependence(&self) -> Option<Dependence> {
+        let over = self.law().over()?;
+        // Time is no axis's.
+        let variable = (over.variable)(self.seat.axis().unwrap_or(Axis::X));
+        Some(Dependence { seat: self.seat, variable, with_sense: over.with_sense })
+    }
+
+    /// How many amplitudes it has.
+    pub fn amplitudes(&self) -> usize {
+        self.law().amplitudes(self.inner)
+    }
+
+    /// What one of each amplitude does to the seat at a pose, with the bar along a unit vector.
     pub fn factors(&self, pose: &Pose, motion: &Motion, direction: &Vector3<f64>, out: &mut [f64]) {
-        let inner = self.inner.unwrap_or(0.0);
-        let slide = match self.seat {
-            Seat::Function(slide, _) | Seat::Slide(slide) => slide.index(),
-            _ => 0,
-        };
-        let (h_mm, b) = (pose.position_mm[slide], pose.sense[slide]);
-        let wave = |turns: f64, out: &mut [f64]| (out[0], out[1]) = (turns * TAU).sin_cos();
-        match self.cause.kind {
-            Kind::Cyclic => wave(h_mm / inner, out),
-            Kind::Vibration => wave(motion.elapsed_s * inner, out),
-            // A delay that all slides have in common is one of the log. What is not is that commanded
-            // position and velocity do not turn the corner at the same time.
-            Kind::Servo if self.seat == Seat::Whole => {
-                let Corner { ahead_s, jump_mm_s } = motion.corner;
-                out[0] = if ahead_s < inner { -ahead_s * jump_mm_s.dot(direction) } else { 0.0 };
-            }
-            Kind::Servo => out[0] = -motion.velocity_mm_s[slide],
-            Kind::ReversalSpike => {
-                out[0] = motion.reversals[slide].map_or(0.0, |r| b * (-r.ago_s / inner).exp());
-            }
-            Kind::GrowingBacklash => out[0] = b * h_mm,
-            Kind::PreSliding => {
-                let left = motion.reversals[slide].map_or(0.0, |r| (-r.ago_mm / inner).exp());
-                out[0] = b * (1.0 - 2.0 * left);
-            }
-            Kind::Drift => out[0] = -(-motion.elapsed_s.max(0.0) / inner).exp_m1(),
-            Kind::Knock => out[0] = if motion.elapsed_s > inner { 1.0 } else { 0.0 },
-            Kind::Roundness => harmonics(inner as usize, direction, out),
-            Kind::Degree => out[0] = (h_mm / 100.0).powi(inner as i32),
-            Kind::StickSlip => out[0] = -b * (-motion.velocity_mm_s[slide].abs() / inner).exp(),
-            _ => out[0] = 1.0,
-        }
+        let axis = self.seat.axis().unwrap_or(Axis::X);
+        self.law().at(axis, self.inner.unwrap_or(0.0), pose, motion, direction, out);
     }
 
     /// The effects that these amplitudes are.
     pub fn effects(&self, amplitudes: &[f64]) -> Vec<Effect> {
+        let inner_key = self.cause.inner(self.seat).map(|(inner, _)| inner.key);
         let numbers = |amplitude: f64, phase_rad: f64, order: f64| {
             let number = |name: &str| match name {
-                "phase_rad" => phase_rad,
-                "order" => order,
-                "run" => 1.0,
-                name if Some(name) == Self::inner_key(self.cause, self.seat) => {
-                    self.inner.unwrap_or(0.0)
-                }
+                PHASE => phase_rad,
+                ORDER => order,
+                RUN => 1.0,
+                name if Some(name) == inner_key => self.inner.unwrap_or(0.0),
                 _ => amplitude,
             };
             Effect::new(
@@ -225,12 +124,12 @@ impl Shape {
                 self.cause.keys.iter().map(|k| number(k.name)).collect(),
             )
         };
-        match self.cause.kind {
-            Kind::Cyclic | Kind::Vibration => {
+        match self.law() {
+            Law::Wave(..) => {
                 let (sine, cosine) = (amplitudes[0], amplitudes[1]);
                 vec![numbers(sine.hypot(cosine), cosine.atan2(sine), 0.0)]
             }
-            Kind::Roundness => {
+            Law::Harmonics(_) => {
                 let degree = amplitudes.len() as f64 / 2.0 - 0.5;
                 let each = amplitudes.iter().enumerate();
                 each.map(|(k, amplitude)| numbers(*amplitude, 0.0, k as f64 - degree)).collect()
@@ -245,32 +144,22 @@ impl Shape {
         if self.seat != Seat::Whole {
             name = format!("{name} {}", self.seat);
         }
-        match (Self::inner_key(self.cause, self.seat), self.inner) {
-            (Some(key), Some(inner)) => {
-                let si = self.cause.keys.iter().find(|k| k.name == key).map_or(1.0, |k| k.si);
-                let unit = match key.rsplit_once('_') {
-                    Some((_, "min")) => " mm/min".to_owned(),
-                    Some((_, unit)) => format!(" {}", unit.replace("hz", "Hz")),
-                    None => String::new(),
-                };
-                format!("{name} {}{unit}", rounded(inner / si))
+        match self.inner_as_written() {
+            Some((key, inner)) => {
+                format!("{name} {} {}", rounded(inner), key.unit(self.seat).symbol)
+                    .trim_end()
+                    .to_owned()
             }
-            _ => name,
+            None => name,
         }
     }
 
     /// Unit of the amplitudes.
     fn unit(&self) -> &'static str {
-        match (self.cause.kind, self.seat) {
-            (Kind::Servo, Seat::Whole) => "1",
-            (Kind::Servo, _) => "s",
-            (Kind::GrowingBacklash, Seat::Function(_, component)) if component.is_angular() => {
-                "rad/mm"
-            }
-            (Kind::GrowingBacklash, _) => "mm/mm",
+        match (self.law(), self.seat) {
+            (Law::Corner(_), _) => "1",
             (_, Seat::Coefficient(of)) => of.unit(),
-            (_, Seat::Function(_, component)) if component.is_angular() => "rad",
-            _ => "mm",
+            _ => self.cause.keys.first().map_or("1", |key| key.unit(self.seat).base),
         }
     }
 }
@@ -285,8 +174,8 @@ impl Term for Shape {
     fn parameters(&self) -> Vec<Parameter> {
         let name = self.name();
         let of = |part: String| Parameter { name: format!("{name}{part}"), unit: self.unit() };
-        match (self.cause.kind, self.amplitudes()) {
-            (Kind::Cyclic | Kind::Vibration, _) => vec![of(" sin".into()), of(" cos".into())],
+        match (self.law(), self.amplitudes()) {
+            (Law::Wave(..), _) => vec![of(" sin".into()), of(" cos".into())],
             (_, 1) => vec![of(String::new())],
             (_, count) => (0..count)
                 .map(|k| of(format!(" order {}", k as i64 - (count as i64 - 1) / 2)))

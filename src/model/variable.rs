@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use super::effect::Seat;
 use super::jacobian::Situation;
 use super::motion::Motion;
+use super::seat::Seat;
 use super::term::{Parameter, Term};
 use crate::machine::{Axis, ChainErrors, Pose};
 use nalgebra::Vector3;

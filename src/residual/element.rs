@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::column::Column;
 use super::residuals::{Repeat, Residuals};
-use crate::model::{Empirical, Form, Kind, Seat, Shape, Term};
+use crate::model::{Empirical, Form, Inner, Law, Scale, Shape, Term};
 
 /// Whether an effect is the same in all runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,14 +55,6 @@ pub struct Element {
     pub tuning: Tuning,
 }
 
-/// In which scale the number inside of a shape is estimated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Scale {
-    Plain,
-    Inverse,
-    Logarithm,
-}
-
 impl Element {
     /// An effect with its owner, its frequency the same in all runs.
     pub fn new(form: Form, owner: Owner) -> Self {
@@ -97,18 +89,15 @@ impl Element {
 
     /// Whether it is a following error that all slides have in common.
     pub fn is_common_delay(&self) -> bool {
-        self.shape().is_some_and(|s| s.cause.kind == Kind::Servo && s.seat == Seat::Whole)
+        self.shape().is_some_and(|shape| matches!(shape.law(), Law::Corner(_)))
+    }
+
+    fn inner(&self) -> Option<&'static Inner> {
+        self.shape()?.law().inner()
     }
 
     fn scale(&self) -> Option<Scale> {
-        match self.shape()?.cause.kind {
-            Kind::Cyclic => Some(Scale::Inverse),
-            Kind::Vibration => Some(Scale::Plain),
-            Kind::ReversalSpike | Kind::PreSliding | Kind::Drift | Kind::StickSlip => {
-                Some(Scale::Logarithm)
-            }
-            _ => None,
-        }
+        self.inner()?.scale
     }
 
     /// The number inside on the scale on which it is estimated; `None` where nothing inside is.
@@ -135,20 +124,16 @@ impl Element {
         changed
     }
 
-    /// Whether the number inside is one that these runs can show: a wave goes round at least three quarters
-    /// of the way of its slide, and pre-sliding ends within it.
+    /// Whether the number inside is one that these runs can show: within the limits of its key and, where it is
+    /// a part of the way of its axis, short enough for that.
     pub fn possible(&self, residuals: &Residuals) -> bool {
-        let Some((shape, inner)) = self.shape().and_then(|s| Some((s, s.inner?))) else {
+        let Some((shape, number)) = self.shape().and_then(|s| Some((s, s.inner?))) else {
             return true;
         };
-        match (shape.cause.kind, shape.seat) {
-            (Kind::Cyclic, Seat::Function(slide, _)) => {
-                inner > 0.0 && inner < 1.33 * residuals.way_mm[slide.index()]
-            }
-            (Kind::Drift, _) => inner < 1e7,
-            (Kind::PreSliding, Seat::Function(slide, _)) => inner < residuals.way_mm[slide.index()],
-            _ => inner > 0.0,
-        }
+        let Some((inner, key)) = shape.cause.inner(shape.seat) else { return true };
+        let way_mm = shape.seat.axis().map_or(f64::INFINITY, |axis| residuals.way_mm[axis.index()]);
+        let [_, most] = key.limits_si(shape.seat);
+        number > 0.0 && number <= most && number < inner.part_of_way * way_mm
     }
 
     /// What it is in one run.

@@ -9,9 +9,7 @@ use super::class::Class;
 use super::course::Course;
 use super::stage::{Stage, Trace};
 use crate::diagnose::{Finding, Owner, Searched, Told};
-use crate::machine::Axis;
-use crate::model::Form;
-use crate::model::{Effect, Seat, Variable};
+use crate::model::{Effect, Form, RUN};
 
 /// Correlation of two traces beyond which two effects are the same in the runs at hand.
 const SAME: f64 = 0.999;
@@ -216,25 +214,14 @@ fn traced(finding: &Finding) -> Option<&[Effect]> {
 fn told(course: &Course, finding: &Finding, effects: &[Effect]) -> Vec<Effect> {
     let Owner::One { repeat, run } = finding.owner() else { return effects.to_vec() };
     let number = course.repeats().get(repeat).map_or(0, |runs| runs[run]) + 1;
-    effects.iter().map(|effect| effect.clone().with("run", number as f64)).collect()
+    effects.iter().map(|effect| effect.clone().with(RUN, number as f64)).collect()
 }
 
 /// Whether a finding is a curve over what a hidden effect hangs on.
 fn over_its_variable(hidden: &Effect, finding: &Finding) -> bool {
     let Form::Empirical(curve) = &finding.element.form else { return false };
-    let slide: Option<Axis> = match hidden.seat {
-        Seat::Function(slide, _) | Seat::Slide(slide) => Some(slide),
-        _ => None,
-    };
-    match (hidden.cause.id, slide) {
-        ("friction-tilt" | "servo" | "stick-slip", Some(slide)) => {
-            curve.variable == Variable::Velocity(slide)
-        }
-        ("bump" | "joint" | "cyclic" | "degree" | "growing-backlash", Some(slide)) => {
-            curve.variable == Variable::Position(slide)
-        }
-        _ => false,
-    }
+    let over = hidden.cause.law(hidden.seat).over();
+    over.zip(hidden.seat.axis()).is_some_and(|(over, axis)| (over.variable)(axis) == curve.variable)
 }
 
 /// A finding in words: `cyclic EXX 10 mm 1.02 um (= cyclic EZX 10 mm) (? servo X)`.

@@ -32,7 +32,7 @@ mod table;
 
 pub use class::{Class, REQUIRED};
 pub use course::{Course, CourseProgram, CourseRun};
-pub use draw::DRAWN;
+pub use draw::drawn;
 pub use judge::{Found, Judgement, Verdict};
 pub use one::{Outcome, Seconds};
 pub use rates::Rate;

@@ -7,7 +7,7 @@ use super::chance::{Chance, Purpose};
 use super::class::Class;
 use super::course::Course;
 use super::days::{NOISE, days};
-use super::draw::{DRAWN, OUTSIDE, causes};
+use super::draw::{drawn, outside};
 use super::one::{Drawn, Outcome, trial};
 use super::stage::Stage;
 use crate::error::{Error, Kind, Result};
@@ -49,14 +49,9 @@ impl Session {
         let Request { class, index } = request;
         let size_mm = self.size_mm.unwrap_or_else(|| class.size_mm(index, NOISE.sigma_mm()));
         let mut chance = Chance::new(self.seed, class, index, Purpose::Effects);
-        let names = if class == Class::Outside { &OUTSIDE[..] } else { &DRAWN[..] };
-        let hidden = self.stage.drawn(
-            &self.course,
-            &causes(names),
-            class.effects(),
-            size_mm,
-            &mut chance,
-        )?;
+        let causes = if class == Class::Outside { outside() } else { drawn() };
+        let hidden =
+            self.stage.drawn(&self.course, &causes, class.effects(), size_mm, &mut chance)?;
         let days = days(&self.course, &mut Chance::new(self.seed, class, index, Purpose::Days));
         Ok(Drawn { class, index, size_mm, hidden, days })
     }

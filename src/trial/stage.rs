@@ -11,7 +11,7 @@ use super::draw::{self, Reach};
 use super::simulated::{measured, simulate_all};
 use crate::error::{Error, Kind, Result};
 use crate::identify::{Campaign, Failure, Linearised, Options};
-use crate::model::{Cause, Effect};
+use crate::model::{Cause, Effect, Unit};
 use crate::simulate::{Noise, Scenario};
 
 /// An effect of which less than this share of its rms lies outside of the model is not hidden.
@@ -208,16 +208,16 @@ impl Stage {
             if (factor - 1.0).abs() < NEAR {
                 break;
             }
-            let value = effect.get(key) * factor;
-            let most = match (key, effect.seat.amplitude_unit().0) {
-                ("amplitude", "urad") => STEEPEST_RAD,
-                ("amplitude" | "step_um", "um") => FARTHEST_MM,
+            let value = effect.get(key.name) * factor;
+            let most = match key.unit(effect.seat) {
+                Unit::URAD => STEEPEST_RAD,
+                Unit::UM => FARTHEST_MM,
                 _ => f64::INFINITY,
             };
             if value.abs() > most || factor * trace.largest_mm > 2.0 * FARTHEST_MM {
                 return Ok(None);
             }
-            effect = effect.with(key, value);
+            effect = effect.with(key.name, value);
             trace = self.trace(course, std::slice::from_ref(&effect))?;
             if trace.largest_mm > FARTHEST_MM {
                 return Ok(None);

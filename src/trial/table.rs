@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use super::class::Class;
-use super::draw::DRAWN;
-use super::draw::OUTSIDE;
+use super::draw::{drawn, outside};
 use super::judge::Verdict;
 use super::one::Outcome;
 use super::rates::Rate;
@@ -134,12 +133,10 @@ fn against_size(outcomes: &[Outcome], noise_mm: f64) -> String {
 /// Which hidden cause is named as which.
 fn confusion(class: Class, trials: &[&Outcome]) -> String {
     let mut counts: BTreeMap<(usize, usize), usize> = BTreeMap::new();
-    let rows: Vec<&str> = DRAWN.iter().chain(&OUTSIDE).copied().collect();
-    let columns: Vec<&str> = DRAWN
-        .iter()
-        .copied()
-        .chain(["bar-length", "coefficient", "other", "unexplained", "nothing"])
-        .collect();
+    let drawn = drawn().into_iter().map(|cause| cause.id);
+    let rows: Vec<&str> = drawn.clone().chain(outside().into_iter().map(|c| c.id)).collect();
+    let columns: Vec<&str> =
+        drawn.chain(["bar-length", "coefficient", "other", "unexplained", "nothing"]).collect();
     for trial in trials {
         for (effect, _) in &trial.hidden {
             let Some(row) = rows.iter().position(|id| *id == effect.cause.id) else { continue };

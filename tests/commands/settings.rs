@@ -143,5 +143,5 @@ fn a_workpiece_ball_elsewhere_is_found_when_the_files_are_gone() {
     let effects: Vec<String> = found.wrong_settings.iter().map(|w| w.effect.to_string()).collect();
     let wrong = &found.wrong_settings.first().expect("the place of the ball is wrong").effect;
     assert_eq!((wrong.seat.to_string(), wrong.get("mounting")), ("EXw".to_owned(), 2.0));
-    assert!((wrong.get("offset_mm") - 20.0).abs() < 3.6, "{effects:?}");
+    assert!((wrong.get("offset") - 20.0).abs() < 3.6, "{effects:?}");
 }

@@ -127,7 +127,7 @@ fn a_ball_that_was_knocked_in_the_second_run() {
     assert_eq!(finding.owner(), Owner::One { repeat: 1, run: 0 });
     near(finding, "step_um", 3.0);
     let began_s = MEASURED.repeats[1].runs[0].alignment.began_log_s;
-    assert!((finding.effects[0].get("moment_s") + began_s - 400.0).abs() < 0.5);
+    assert!((finding.effects[0].get("moment") + began_s - 400.0).abs() < 0.5);
 }
 
 #[test]

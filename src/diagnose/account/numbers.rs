@@ -2,14 +2,20 @@
 
 use serde::Serialize;
 
-use crate::model::{AMPLITUDE, Effect, Kind, Shape};
+use crate::model::{AMPLITUDE, Effect, Inner, ORDER, PHASE, RUN, Start};
 use crate::residual::{Fitted, Owner, Residuals};
 
 /// A number of a finding, as it is written.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Number {
-    /// Its name with its unit, such as `amplitude_um`.
+    /// Its name with its unit, such as `amplitude_um`; of several amplitudes with its number.
     pub name: String,
+    /// The same in words, without the unit: `amplitude 2`, `time constant`.
+    #[serde(skip)]
+    pub what: String,
+    /// Its unit as it is read, such as `mm/min`; empty of a plain number.
+    #[serde(skip)]
+    pub unit: &'static str,
     /// Its value in that unit.
     pub value: f64,
     /// Its standard deviation in that unit; `None` where it is not estimated.
@@ -51,7 +57,7 @@ pub(crate) fn told(
         Owner::One { repeat, run } => {
             let at = residuals.runs().position(|place| place == (repeat, run)).unwrap_or(0);
             let number = (at + 1) as f64;
-            effects.into_iter().map(|effect| effect.with("run", number)).collect()
+            effects.into_iter().map(|effect| effect.with(RUN, number)).collect()
         }
         _ => effects,
     };
@@ -60,43 +66,47 @@ pub(crate) fn told(
         .map(|k| (long_run_mm2 * fitted.inverse[(k, k)]).sqrt())
         .and_then(|sigma| fitted.elements[element].inner_sigma(sigma));
     let began_s = began_sigma_s(residuals, fitted.elements[element].owner);
-    let began_share = match (shape.cause.kind, shape.inner) {
-        (Kind::Drift, Some(constant_s)) => began_s / constant_s,
+    let inner = shape.cause.inner(shape.seat).map(|(inner, _)| inner);
+    let began_share = match (inner, shape.inner) {
+        (Some(Inner { start: Start::TimeConstants(..), .. }), Some(constant_s)) => {
+            began_s / constant_s
+        }
         _ => 0.0,
     };
     let mut numbers = Vec::new();
     for (part, effect) in effects.iter().enumerate() {
-        for ((name, value), key) in effect.written().into_iter().zip(effect.cause.keys) {
-            let si = if key.name == AMPLITUDE { effect.seat.amplitude_unit().1 } else { key.si };
-            let of_inner = Some(key.name) == Shape::inner_key(shape.cause, shape.seat);
-            let sigma = if of_inner && key.name != "moment_s" {
-                inner_sigma
-            } else {
-                match (key.name, own) {
-                    // A wave: sine and cosine.
-                    ("phase_rad", 2) if !each_run => {
-                        let square = amplitudes[0].powi(2) + amplitudes[1].powi(2);
-                        Some(wave(amplitudes, &covariance, true).sqrt() / square)
-                    }
-                    ("order" | "run" | "phase_rad", _) => None,
-                    ("moment_s", _) => Some(began_s),
-                    (_, 2) => {
-                        let size = amplitudes[0].hypot(amplitudes[1]);
-                        let over_runs = (runs as f64).sqrt();
-                        Some(wave(amplitudes, &covariance, false).sqrt() / size / over_runs)
-                    }
-                    _ => Some(covariance(part, part).sqrt().hypot(began_share * amplitudes[part])),
+        for ((written, value), key) in effect.written().into_iter().zip(effect.cause.keys) {
+            let sigma = match (inner.filter(|inner| inner.key == key.name), key.name) {
+                (Some(Inner { start: Start::Moments, .. }), _) => Some(began_s),
+                (Some(_), _) => inner_sigma,
+                (None, PHASE) if !each_run => {
+                    let square = amplitudes[0].powi(2) + amplitudes[1].powi(2);
+                    Some(wave(amplitudes, &covariance, true).sqrt() / square)
+                }
+                (None, PHASE | ORDER | RUN) => None,
+                // A wave: sine and cosine.
+                (None, _) if own == 2 => {
+                    let size = amplitudes[0].hypot(amplitudes[1]);
+                    let over_runs = (runs as f64).sqrt();
+                    Some(wave(amplitudes, &covariance, false).sqrt() / size / over_runs)
+                }
+                (None, _) => {
+                    Some(covariance(part, part).sqrt().hypot(began_share * amplitudes[part]))
                 }
             };
-            if each_run && key.name == "phase_rad" {
-                continue;
-            }
             let several = effects.len() > 1;
-            let name = if several { format!("{name} {}", part + 1) } else { name };
-            if several && key.name != AMPLITUDE {
+            if (each_run && key.name == PHASE) || (several && key.name != AMPLITUDE) {
                 continue;
             }
-            numbers.push(Number { name, value, sigma: sigma.map(|sigma| sigma / si) });
+            let which = if several { format!(" {}", part + 1) } else { String::new() };
+            let unit = key.unit(effect.seat);
+            numbers.push(Number {
+                name: written + &which,
+                what: key.name.replace('_', " ") + &which,
+                unit: unit.symbol,
+                value,
+                sigma: sigma.map(|sigma| sigma / unit.si),
+            });
         }
     }
     (effects, numbers)

@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use super::found::{Rival, Told};
 use super::search::Search;
 use crate::diagnose::thresholds::{ONE_NUMBER, SAME, UNDECIDED_SIGMAS, threshold_mm2};
-use crate::model::{Component, Kind, Seat};
+use crate::model::{Component, Inner, Seat, Start};
 use crate::residual::{self, Column, Element, Fitted, Noise};
 
 impl Search<'_> {
@@ -94,11 +94,13 @@ impl Duel<'_> {
 /// The same cause on the same seat; of periods only those that are one after the closer look.
 fn alike(a: &Element, b: &Element) -> bool {
     let (Some(a), Some(b)) = (a.shape(), b.shape()) else { return false };
+    // Long time constants are one straight line.
+    let straight = matches!(a.law().inner(), Some(Inner { start: Start::TimeConstants(..), .. }));
     let near = match (a.inner, b.inner) {
-        (Some(x), Some(y)) => (x / y - 1.0).abs() < ONE_NUMBER || a.cause.kind == Kind::Drift,
+        (Some(x), Some(y)) => (x / y - 1.0).abs() < ONE_NUMBER || straight,
         _ => true,
     };
-    a.cause.kind == b.cause.kind && a.seat == b.seat && near
+    a.cause == b.cause && a.seat == b.seat && near
 }
 
 /// Which of two explanations that do equally well is named first.
@@ -107,7 +109,7 @@ fn simpler(a: &Element, b: &Element) -> Ordering {
         let Some(shape) = element.shape() else { return (true, usize::MAX, 0, 0) };
         // Eleven amplitudes explain more than one does.
         let many = shape.amplitudes() > 2;
-        let cause = shape.cause.kind as usize;
+        let cause = shape.cause.rank();
         let seat = match shape.seat {
             Seat::Function(slide, component) if component as usize == slide.index() => 0,
             Seat::Function(_, component) if !component.is_angular() => 1,

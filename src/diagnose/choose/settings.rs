@@ -13,7 +13,7 @@ use crate::diagnose::thresholds::{FOLLOWED, threshold_mm2};
 use crate::error::Result;
 use crate::identify::Campaign;
 use crate::machine::{Axis, Machine, Mounting, Pivot};
-use crate::model::{Ball, Effect, Kind, Seat, SetUp, Situation};
+use crate::model::{BALL_PLACE, Ball, Effect, PIVOT, Seat, SetUp, Situation};
 use crate::plan::Test;
 use crate::residual::{Beside, Column, Residuals, Sample};
 
@@ -122,11 +122,11 @@ impl Setting {
     /// As an effect on what the files say.
     fn effect(self, amount_mm: f64) -> Effect {
         match self {
-            Self::Pivot(slide) => Effect::new(Kind::Pivot.cause(), Seat::Slide(slide), Vec::new()),
+            Self::Pivot(slide) => Effect::new(&PIVOT, Seat::Slide(slide), Vec::new()),
             Self::Place(of, mounting) => {
                 let number = mounting.map_or(0.0, |index| index as f64 + 1.0);
                 let seat = Seat::Ball(of);
-                Effect::new(Kind::BallPlace.cause(), seat, vec![amount_mm, number])
+                Effect::new(&BALL_PLACE, seat, vec![amount_mm, number])
             }
         }
     }

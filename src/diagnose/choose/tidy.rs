@@ -3,10 +3,10 @@
 use super::search::Search;
 use crate::diagnose::seek::curves;
 use crate::diagnose::thresholds::{
-    FIGHTING, INSTEAD_OF_A_CURVE, OF_A_CURVE, SHADOW, SMOOTH_MM, threshold_mm2,
+    FIGHTING, INSTEAD_OF_A_CURVE, OF_A_CURVE, SHADOW, threshold_mm2,
 };
 use crate::machine::Axis;
-use crate::model::{Form, Kind, Seat, Variable};
+use crate::model::{Form, Law, Variable};
 use crate::residual::{Beside, Element, Fitted};
 
 impl Search<'_> {
@@ -53,7 +53,8 @@ impl Search<'_> {
         for over in variables.into_iter().flatten() {
             let described = best.elements.iter().any(|e| described_over(e) == Some(over));
             // Beside a curve over a position, so is a roundness: a smooth function of all three.
-            let round = |e: &Element| e.shape().is_some_and(|s| s.cause.kind == Kind::Roundness);
+            let round =
+                |e: &Element| e.shape().is_some_and(|s| matches!(s.law(), Law::Harmonics(_)));
             let of_position = matches!(over, Variable::Position(_)) && described;
             let makeshift = |e: &Element| smooth_over(e) == Some(over) || (of_position && round(e));
             let smooth = best.elements.iter().filter(|e| makeshift(e)).count();
@@ -111,14 +112,8 @@ fn score_mm2(beside: &Beside, fitted: &Fitted) -> f64 {
 /// The variable over which a cause is smooth: of such causes several make any curve.
 fn smooth_over(element: &Element) -> Option<Variable> {
     let shape = element.shape()?;
-    match (shape.cause.kind, shape.seat, shape.inner) {
-        (Kind::Degree, Seat::Function(slide, _), _) => Some(Variable::Position(slide)),
-        (Kind::Cyclic, Seat::Function(slide, _), Some(period_mm)) if period_mm > SMOOTH_MM => {
-            Some(Variable::Position(slide))
-        }
-        (Kind::StickSlip, Seat::Slide(slide), _) => Some(Variable::Velocity(slide)),
-        _ => None,
-    }
+    let smooth = (shape.cause.makes_any_curve)(shape.inner.unwrap_or(0.0));
+    shape.dependence().filter(|_| smooth).map(|of| of.variable)
 }
 
 /// What a curve runs over, either way alike.

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::candidate::Candidate;
 use crate::diagnose::thresholds::SEEN;
 use crate::machine::Axis;
-use crate::model::{Ball, Form, Kind, Seat, SetUp, Shape};
+use crate::model::{Ball, Cause, Form, Seat, SetUp, Shape};
 use crate::residual::{Beside, Element, Owner};
 use crate::solve::dot;
 
@@ -13,8 +13,7 @@ use crate::solve::dot;
 const FEWEST: usize = 20;
 
 /// The best moment of every run and direction.
-pub(crate) fn candidates(beside: &Beside) -> Vec<Candidate> {
-    let cause = Kind::Knock.cause();
+pub(crate) fn candidates(cause: &'static Cause, beside: &Beside) -> Vec<Candidate> {
     let runs = beside.residuals.runs();
     let places: Vec<(usize, usize, Axis)> = runs
         .flat_map(|(repeat, run)| Axis::ALL.into_iter().map(move |axis| (repeat, run, axis)))

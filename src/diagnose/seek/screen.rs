@@ -12,7 +12,10 @@ use super::vibration;
 use crate::diagnose::thresholds::SEEN;
 use crate::identify::Campaign;
 use crate::machine::Axis;
-use crate::model::{Ball, Coefficient, Component, Kind, Power, Seat, SetUp, Shape, Variable};
+use crate::model::{
+    Ball, CAUSES, Cause, Coefficient, Component, Inner, Law, Power, Seat, SetUp, Shape, Start,
+    Variable,
+};
 use crate::residual::{Beside, Element, System, Tuning};
 
 /// The shortest period looked for, mm: a reading every 0.83 mm still tells it.
@@ -83,25 +86,7 @@ impl Screen {
                 Channel::gather(alone.residuals, *variable, *with_sense, seats)
             })
             .collect();
-        let roundness = Kind::Roundness.cause();
-        let mut direct: Vec<Shape> = roundness
-            .whole_numbers("degree")
-            .map(|degree| Shape { cause: roundness, seat: Seat::Whole, inner: Some(degree) })
-            .collect();
-        direct.extend(
-            Coefficient::all()
-                .filter(|coefficient| !campaign.estimates(&coefficient.to_string()))
-                .map(|coefficient| Shape {
-                    cause: Kind::Coefficient.cause(),
-                    seat: Seat::Coefficient(coefficient),
-                    inner: None,
-                }),
-        );
-        direct.extend(grid(1e-3, 40e-3, 24).into_iter().map(|delay_s| Shape {
-            cause: Kind::Servo.cause(),
-            seat: Seat::Whole,
-            inner: Some(delay_s),
-        }));
+        let direct: Vec<Shape> = CAUSES.iter().flat_map(|cause| direct(cause, campaign)).collect();
         let direct = direct
             .into_par_iter()
             .filter_map(|shape| {
@@ -137,77 +122,97 @@ impl Prospect<'_> {
             })
             .collect();
         found.extend(direct.into_iter().flatten());
-        found.extend(knock::candidates(beside));
+        for cause in starting(|start| *start == Start::Moments) {
+            found.extend(knock::candidates(cause, beside));
+        }
         // A line that explains much less than something else is that one's shadow.
         let curve_mm2 = curves::most_mm2(&self.looks, beside.noise());
         let best_mm2 =
             found.iter().map(|found| found.gain_mm2).fold(least_mm2.max(curve_mm2), f64::max);
-        found.extend(vibration::candidates(beside, tuning, best_mm2));
+        for cause in starting(|start| *start == Start::Lines) {
+            found.extend(vibration::candidates(cause, beside, tuning, best_mm2));
+        }
         found
+    }
+}
+
+/// The causes whose inner number is looked for in some way.
+fn starting(so: impl Fn(&Start) -> bool) -> impl Iterator<Item = &'static Cause> {
+    CAUSES.iter().filter(move |cause| cause.law.inner().is_some_and(|inner| so(&inner.start)))
+}
+
+/// What hangs on no variable that is gathered, one shape for each inner number.
+fn direct(cause: &'static Cause, campaign: &Campaign) -> Vec<Shape> {
+    let of_seat = |seat: Seat| -> Vec<Shape> {
+        let inners = match cause.law(seat) {
+            Law::Harmonics(_) | Law::Corner(_) => numbers(cause, seat, 0.0),
+            Law::Constant => vec![None],
+            Law::Curve(..) | Law::Wave(..) | Law::Setting | Law::Unknown(_) => Vec::new(),
+        };
+        inners.into_iter().map(|inner| Shape { cause, seat, inner }).collect()
+    };
+    let missing = |seat: &Seat| match seat {
+        Seat::Coefficient(of) => !campaign.estimates(&of.to_string()),
+        _ => true,
+    };
+    cause.seats().into_iter().filter(missing).flat_map(of_seat).collect()
+}
+
+/// The inner numbers that are tried on a seat; `longest` is the largest value of the variable.
+fn numbers(cause: &Cause, seat: Seat, longest: f64) -> Vec<Option<f64>> {
+    let Some((inner, key)) = cause.inner(seat) else { return vec![None] };
+    let some = |values: Vec<f64>| values.into_iter().map(Some).collect();
+    match inner.start {
+        Start::Grid([low, high], count) => some(grid(low, high, count)),
+        Start::TimeConstants([low, high], count) => {
+            some(grid(low * longest, high * longest, count))
+        }
+        Start::Whole => some(key.whole_numbers().collect()),
+        Start::Waves | Start::Lines | Start::Moments => Vec::new(),
     }
 }
 
 /// The causes that hang on a channel's variable.
 fn of_channel(channel: &Look) -> Vec<Candidate> {
     let place = channel.of;
-    let one = |kind: Kind, inners: &[Option<f64>], shape: &dyn Fn(f64, f64) -> f64| {
-        let best = inners
-            .iter()
-            .filter_map(|inner| {
-                let at = inner.unwrap_or(0.0);
-                let over: Vec<f64> = channel.centers.iter().map(|v| shape(*v, at)).collect();
-                let explained = channel.explained(&[over], 0.0)?;
-                (explained.share_outside > SEEN).then_some((*inner, explained.gain_mm2))
-            })
-            .max_by(|a, b| a.1.total_cmp(&b.1));
-        best.map(|(inner, gain_mm2)| {
-            let shape = Shape { cause: kind.cause(), seat: place.seat, inner };
-            Candidate { element: Element::shared(shape), gain_mm2 }
-        })
+    let hangs_on_it = |cause: &&Cause| {
+        let axis = place.variable.slide().unwrap_or(Axis::X);
+        let over = cause.law(place.seat).over();
+        let same = over.is_some_and(|over| {
+            (over.variable)(axis) == place.variable && over.with_sense == place.with_sense
+        });
+        same && cause.seats().contains(&place.seat)
     };
-    let some = |values: Vec<f64>| values.into_iter().map(Some).collect::<Vec<_>>();
-    match (place.variable, place.with_sense) {
-        (Variable::Position(_), false) => {
-            let power = |h: f64, degree: f64| (h / 100.0).powi(degree as i32);
-            let mut found = cyclic(channel);
-            let degrees = Kind::Degree.cause().whole_numbers("degree");
-            found.extend(degrees.filter_map(|degree| one(Kind::Degree, &[Some(degree)], &power)));
-            found
-        }
-        (Variable::Position(_), true) => {
-            one(Kind::GrowingBacklash, &[None], &|h, _| h).into_iter().collect()
-        }
-        (Variable::WaySinceReversal(_), _) => {
-            let ways = some(grid(0.02, 60.0, 16));
-            let shape = |s: f64, distance: f64| 1.0 - 2.0 * (-s / distance).exp();
-            one(Kind::PreSliding, &ways, &shape).into_iter().collect()
-        }
-        (Variable::Velocity(_), false) if matches!(place.seat, Seat::Slide(_)) => {
-            one(Kind::Servo, &[None], &|v, _| -v).into_iter().collect()
-        }
-        (Variable::Velocity(_), true) => {
-            let speeds = some(grid(0.05, 20.0, 12));
-            one(Kind::StickSlip, &speeds, &|v, speed| -(-v.abs() / speed).exp())
-                .into_iter()
-                .collect()
-        }
-        (Variable::SinceReversal(_), _) => {
-            let decays = some(grid(0.05, 20.0, 14));
-            one(Kind::ReversalSpike, &decays, &|t, decay| (-t / decay).exp()).into_iter().collect()
-        }
-        (Variable::Elapsed, _) => {
-            let last = channel.centers.iter().copied().fold(1.0, f64::max);
-            let constants = some(grid(0.03 * last, 20.0 * last, 14));
-            one(Kind::Drift, &constants, &|t, constant| -(-t.max(0.0) / constant).exp_m1())
-                .into_iter()
-                .collect()
-        }
-        _ => Vec::new(),
+    CAUSES.iter().filter(hangs_on_it).flat_map(|cause| of_cause(cause, channel)).collect()
+}
+
+/// A cause in a channel: the number inside that explains most, or each that is another thing.
+fn of_cause(cause: &'static Cause, channel: &Look) -> Vec<Candidate> {
+    let seat = channel.of.seat;
+    let f = match cause.law(seat) {
+        Law::Curve(_, f, _) => f,
+        Law::Wave(_, _, Inner { start: Start::Waves, .. }) => return cyclic(cause, channel),
+        _ => return Vec::new(),
+    };
+    let explained = |inner: Option<f64>| {
+        let over = channel.centers.iter().map(|v| f(*v, inner.unwrap_or(0.0))).collect();
+        let explained = channel.explained(&[over], 0.0)?;
+        (explained.share_outside > SEEN).then_some((inner, explained.gain_mm2))
+    };
+    let candidate = |(inner, gain_mm2): (Option<f64>, f64)| {
+        let shape = Shape { cause, seat, inner };
+        Candidate { element: Element::shared(shape), gain_mm2 }
+    };
+    let longest = channel.centers.iter().copied().fold(1.0, f64::max);
+    let found = numbers(cause, seat, longest).into_iter().filter_map(explained);
+    match cause.law(seat).inner() {
+        Some(Inner { start: Start::Whole, .. }) => found.map(candidate).collect(),
+        _ => found.max_by(|a, b| a.1.total_cmp(&b.1)).map(candidate).into_iter().collect(),
     }
 }
 
 /// The periods of an error function that explain most.
-fn cyclic(channel: &Look) -> Vec<Candidate> {
+fn cyclic(cause: &'static Cause, channel: &Look) -> Vec<Candidate> {
     let (low, high) = channel
         .centers
         .iter()
@@ -262,11 +267,7 @@ fn cyclic(channel: &Look) -> Vec<Candidate> {
         .filter_map(|k| {
             let number = 0.8 / way_mm + k as f64 * step;
             let explained = channel.explained(&waves(number), 1e-6)?;
-            let shape = Shape {
-                cause: Kind::Cyclic.cause(),
-                seat: channel.of.seat,
-                inner: Some(number.recip()),
-            };
+            let shape = Shape { cause, seat: channel.of.seat, inner: Some(number.recip()) };
             (explained.share_outside > SEEN).then_some(Candidate {
                 element: Element::shared(shape),
                 gain_mm2: explained.gain_mm2,

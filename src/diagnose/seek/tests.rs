@@ -47,7 +47,8 @@ fn a_knock_is_found_in_its_run_at_its_moment() {
     step.owner = Owner::One { repeat: 1, run: 0 };
     let residuals = with(&step, 2e-3);
     let alone = residuals.alone();
-    let found = knock::candidates(&alone);
+    let cause = step.shape().unwrap().cause;
+    let found = knock::candidates(cause, &alone);
     let best = found.iter().max_by(|a, b| a.gain_mm2.total_cmp(&b.gain_mm2)).unwrap();
     assert_eq!(best.element.owner, step.owner);
     let shape = best.element.shape().unwrap();

@@ -6,8 +6,7 @@ use rustfft::num_complex::Complex;
 
 use super::candidate::Candidate;
 use crate::diagnose::thresholds::TUNED;
-use crate::machine::Axis;
-use crate::model::{Ball, Form, Kind, Seat, SetUp, Shape};
+use crate::model::{Cause, Form, Inner, Seat, Shape, Start};
 use crate::residual::{Beside, Element, Owner, Sample, Tuning};
 use crate::solve::median;
 
@@ -40,10 +39,13 @@ struct Spectrum {
 ///
 /// Between the sample rates of several runs, and by the differences of their clocks, aliases can be told
 /// apart: each is tried on the samples themselves.
-pub(crate) fn candidates(beside: &Beside, tuning: &Tuning, least_mm2: f64) -> Vec<Candidate> {
-    let cause = Kind::Vibration.cause();
-    let balls = Axis::ALL.map(|axis| Seat::Ball(SetUp { ball: Ball::Tool, axis }));
-    let seats: Vec<Seat> = balls.into_iter().chain([Seat::Bar]).collect();
+pub(crate) fn candidates(
+    cause: &'static Cause,
+    beside: &Beside,
+    tuning: &Tuning,
+    least_mm2: f64,
+) -> Vec<Candidate> {
+    let seats = cause.seats();
     let mut planner = FftPlanner::new();
     let spectra: Vec<Vec<Spectrum>> =
         seats.iter().map(|seat| spectra(beside, *seat, &mut planner)).collect();
@@ -116,7 +118,9 @@ fn in_run_mm2(beside: &Beside, repeat: usize, run: usize, seat: Seat, frequency_
 ///
 /// The source is no clock, and two clocks are no clock either.
 pub(crate) fn tuned(beside: &Beside, element: &Element) -> Option<Tuning> {
-    let shape = element.shape().filter(|shape| shape.cause.kind == Kind::Vibration)?;
+    let shape = element
+        .shape()
+        .filter(|shape| matches!(shape.law().inner(), Some(Inner { start: Start::Lines, .. })))?;
     let frequency_hz = shape.inner?;
     let step = TURN / (frequency_hz * beside.residuals.longest_s());
     let steps = (FARTHEST / step).ceil().min(MOST_STEPS) as i32;

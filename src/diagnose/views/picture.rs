@@ -7,7 +7,7 @@
 use serde::Serialize;
 
 use super::feature::{Feature, shown_in};
-use crate::model::{Dependence, Kind, Seat, Variable};
+use crate::model::{Dependence, Law, Variable};
 use crate::residual::{Column, Element, Fitted, Owner, Residuals};
 
 /// Bins over the variable.
@@ -52,36 +52,21 @@ struct Over {
 }
 
 fn over(element: &Element) -> Option<Over> {
-    let plain = |variable: Variable, seat: Seat| Over {
-        of: Dependence { seat, variable, with_sense: false },
-        period: None,
-        until: f64::INFINITY,
-    };
-    let turning = |variable: Variable, seat: Seat, until: f64| Over {
-        of: Dependence { seat, variable, with_sense: true },
-        period: None,
-        until,
-    };
+    let everywhere = |of: Dependence| Over { of, period: None, until: f64::INFINITY };
     if let Some(curve) = element.curve() {
-        return Some(Over { of: curve.dependence(), period: None, until: f64::INFINITY });
+        return Some(everywhere(curve.dependence()));
     }
     let shape = element.shape()?;
-    let slide = match shape.seat {
-        Seat::Function(slide, _) | Seat::Slide(slide) => Some(slide),
-        _ => None,
-    };
-    let seat = shape.seat;
-    let inner = shape.inner.unwrap_or(f64::INFINITY);
-    Some(match shape.cause.kind {
-        Kind::Cyclic => Over { period: Some(inner), ..plain(Variable::Position(slide?), seat) },
-        Kind::Servo | Kind::StickSlip => plain(Variable::Velocity(slide?), seat),
-        Kind::ReversalSpike => turning(Variable::SinceReversal(slide?), seat, DECAYS * inner),
-        Kind::PreSliding => turning(Variable::WaySinceReversal(slide?), seat, DECAYS * inner),
-        Kind::GrowingBacklash => turning(Variable::Position(slide?), seat, f64::INFINITY),
-        Kind::Degree => plain(Variable::Position(slide?), seat),
-        Kind::Drift | Kind::Knock => plain(Variable::Elapsed, seat),
-        _ => return None,
-    })
+    let of = shape.dependence()?;
+    let reversal =
+        matches!(of.variable, Variable::SinceReversal(_) | Variable::WaySinceReversal(_));
+    match (shape.law(), shape.inner) {
+        // Another phase in every run: there is no one picture.
+        (Law::Wave(..), _) if element.owner == Owner::EachRun => None,
+        (Law::Wave(..), period) => Some(Over { period, ..everywhere(of) }),
+        (_, Some(inner)) if reversal => Some(Over { until: DECAYS * inner, ..everywhere(of) }),
+        _ => Some(everywhere(of)),
+    }
 }
 
 /// A sample where an effect acts.

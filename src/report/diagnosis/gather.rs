@@ -10,7 +10,7 @@ use super::{views, words};
 use crate::diagnose::{Diagnosis, Feature, Finding, Owner, Picture, Rival, Told};
 use crate::identify::Identification;
 use crate::machine::Machine;
-use crate::model::{Kind, Seat};
+use crate::model::Seat;
 use crate::report::text::numbers::fixed;
 use crate::report::text::words::capital;
 
@@ -121,16 +121,16 @@ fn seat(of: &Finding) -> Option<Seat> {
 
 /// What else a vibration may be.
 fn aliases(of: &Finding, identifications: &[Identification]) -> Option<String> {
-    let effect = of.effects.first().filter(|effect| effect.cause.kind == Kind::Vibration)?;
+    let effect = of.effects.first().filter(|effect| effect.cause.id == "vibration")?;
     let runs = identifications.iter().flat_map(|identification| &identification.runs);
     let rates: Vec<f64> = runs.map(|run| run.alignment.sample_period_s.recip()).collect();
-    words::aliases(effect.get("frequency_hz"), &rates)
+    words::aliases(effect.get("frequency"), &rates)
 }
 
 /// The moment of a knock on the clock of its log, whenever the program began.
 fn in_the_log(of: &Finding, identifications: &[Identification]) -> Option<String> {
     let Owner::One { repeat, run } = of.owner() else { return None };
-    let moment_s = of.effects.first()?.get("moment_s");
+    let moment_s = of.effects.first()?.get("moment");
     let run = identifications.get(repeat)?.runs.get(run)?;
     let log_s = run.alignment.began_log_s + moment_s / (1.0 + run.alignment.time_map.rate);
     log_s.is_finite().then(|| format!("In the log of {}: at {} s.", run.name, fixed(log_s, 1)))

@@ -64,7 +64,7 @@ fn told(wrong: &WrongSetting, machine: &Machine) -> String {
             format!(
                 "The position of the {} differs from the test file by {} +- {} mm in {mounting}: read `{key}` from the control again",
                 what(place).unwrap_or_else(|| "ball".into()),
-                fixed(wrong.effect.get("offset_mm"), places),
+                fixed(wrong.effect.get("offset"), places),
                 fixed(sigma_mm, places)
             )
         }

@@ -2,7 +2,7 @@
 
 use crate::diagnose::Number;
 use crate::machine::{Axis, Machine};
-use crate::model::{AMPLITUDE, Ball, Component, Effect, Kind, Power, Seat};
+use crate::model::{AMPLITUDE, Ball, Component, Effect, Power, Seat};
 use crate::report::text::numbers::{decimals, fixed};
 
 /// Common multiples of sample rates are looked for up to so many times the fastest.
@@ -73,20 +73,6 @@ pub(super) fn shortened(effect: &Effect) -> String {
     format!("{}:{}", effect.cause.id, parts.join(","))
 }
 
-/// Units at the ends of names, with their signs.
-const UNITS: [(&str, &str); 10] = [
-    ("_um_m", "um/m"),
-    ("_mm_min", "mm/min"),
-    ("_urad", "urad"),
-    ("_um", "um"),
-    ("_mm", "mm"),
-    ("_rad", "rad"),
-    ("_ms", "ms"),
-    ("_hz", "Hz"),
-    ("_s", "s"),
-    ("", ""),
-];
-
 /// `amplitude 1.201 +- 0.002 um, period 10.0000 +- 0.0003 mm`.
 pub(super) fn numbers(numbers: &[Number]) -> String {
     let told: Vec<String> = numbers.iter().map(number).collect();
@@ -94,20 +80,7 @@ pub(super) fn numbers(numbers: &[Number]) -> String {
 }
 
 fn number(number: &Number) -> String {
-    // Of several amplitudes: which one.
-    let (name, which) = number.name.split_once(' ').unwrap_or((&number.name, ""));
-    let (name, unit) = UNITS
-        .iter()
-        .find_map(|(end, unit)| Some((name.strip_suffix(end)?, *unit)))
-        .unwrap_or((name, ""));
-    let (name, unit) = match name {
-        "ppm" => ("clock", "ppm"),
-        "percent" => ("override", "%"),
-        name => (name, unit),
-    };
-    let name = name.replace('_', " ");
-    let which = if which.is_empty() { String::new() } else { format!(" {which}") };
-    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    let unit = if number.unit.is_empty() { String::new() } else { format!(" {}", number.unit) };
     let value = if let Some(sigma) = number.sigma.filter(|sigma| *sigma > 0.0) {
         let places = decimals(sigma, 2).min(6);
         format!("{} +- {}", fixed(number.value, places), fixed(sigma, places))
@@ -115,15 +88,15 @@ fn number(number: &Number) -> String {
         let whole = number.value.fract().abs() < 1e-9;
         fixed(number.value, if whole { 0 } else { decimals(number.value, 4).min(6) })
     };
-    format!("{name}{which} {value}{unit}")
+    format!("{} {value}{unit}", number.what)
 }
 
 /// What follows from a cause's numbers, in sentences.
 pub(super) fn remarks(effect: &Effect, numbers: &[Number], machine: &Machine) -> Vec<String> {
-    match (effect.cause.kind, effect.seat) {
-        (Kind::Cyclic, Seat::Function(axis, _)) => vec![screw(effect, numbers, machine, axis)],
-        (Kind::Servo, Seat::Slide(axis)) => {
-            let delay_ms = 1e3 * effect.get("delay_ms");
+    match (effect.cause.id, effect.seat) {
+        ("cyclic", Seat::Function(axis, _)) => vec![screw(effect, numbers, machine, axis)],
+        ("servo", Seat::Slide(axis)) => {
+            let delay_ms = 1e3 * effect.get("delay");
             let how = if delay_ms < 0.0 { "less" } else { "more" };
             let size_ms = delay_ms.abs();
             vec![format!(
@@ -131,14 +104,14 @@ pub(super) fn remarks(effect: &Effect, numbers: &[Number], machine: &Machine) ->
                 fixed(size_ms, decimals(size_ms, 3).min(3))
             )]
         }
-        (Kind::Drift, _) => {
-            let minutes = effect.get("time_constant_s") / 60.0;
-            let (unit, si) = effect.seat.amplitude_unit();
-            let first = -effect.get(AMPLITUDE) / si * (-DRIFT_MIN / minutes).exp_m1();
+        ("drift", _) => {
+            let minutes = effect.get("time_constant") / 60.0;
+            let unit = effect.seat.unit();
+            let first = -effect.get(AMPLITUDE) / unit.si * (-DRIFT_MIN / minutes).exp_m1();
             vec![format!(
                 "In the first {DRIFT_MIN} min it reaches {} {}; 95 % of the whole is reached after {} min.",
                 fixed(first, decimals(first, 3)),
-                unit.replace("um_m", "um/m"),
+                unit.symbol,
                 fixed(3.0 * minutes, usize::from(minutes < 3.0))
             )]
         }
@@ -172,9 +145,8 @@ fn screw(effect: &Effect, numbers: &[Number], machine: &Machine, axis: Axis) -> 
             "The machine file does not state the pitch of the {axis} screw (`screw_pitch_mm`)."
         );
     };
-    let period_mm = effect.get("period_mm");
-    let sigma_mm =
-        numbers.iter().find(|n| n.name == "period_mm").and_then(|n| n.sigma).unwrap_or(0.0);
+    let period_mm = effect.get("period");
+    let sigma_mm = numbers.iter().find(|n| n.what == "period").and_then(|n| n.sigma).unwrap_or(0.0);
     let part = [1.0, 2.0, 3.0, 4.0].into_iter().zip(["", "half ", "a third of ", "a quarter of "]);
     for (times, words) in part {
         let off_mm = (times * period_mm - pitch_mm).abs();
@@ -200,18 +172,18 @@ fn screw(effect: &Effect, numbers: &[Number], machine: &Machine, axis: Axis) -> 
 mod tests {
     use super::*;
 
-    fn of(name: &str, value: f64, sigma: Option<f64>) -> Number {
-        Number { name: name.into(), value, sigma }
+    fn of(what: &str, unit: &'static str, value: f64, sigma: Option<f64>) -> Number {
+        Number { name: String::new(), what: what.into(), unit, value, sigma }
     }
 
     #[test]
     fn numbers_have_two_digits_of_their_sigma() {
         let told = numbers(&[
-            of("amplitude_um", 1.200_951, Some(0.002_38)),
-            of("period_mm", 9.999_901, Some(0.000_26)),
-            of("time_constant_s", 489.66, Some(6.3)),
-            of("speed_mm_min", 12.0, None),
-            of("amplitude_um_m 2", 0.5, None),
+            of("amplitude", "um", 1.200_951, Some(0.002_38)),
+            of("period", "mm", 9.999_901, Some(0.000_26)),
+            of("time constant", "s", 489.66, Some(6.3)),
+            of("speed", "mm/min", 12.0, None),
+            of("amplitude 2", "um/m", 0.5, None),
         ]);
         assert_eq!(
             told,

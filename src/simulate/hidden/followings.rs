@@ -16,7 +16,7 @@ use crate::simulate::bend::Condition;
 /// programmed direction, on either side of the machine.
 pub(crate) fn delay_s(hidden: &[Effect]) -> Vector3<f64> {
     of_slides(hidden, |effect, _| match effect.cause.id {
-        "servo" => effect.get("delay_ms"),
+        "servo" => effect.get("delay"),
         _ => 0.0,
     })
 }
@@ -31,10 +31,10 @@ pub(crate) fn displacement_mm(hidden: &[Effect], now: &Condition) -> Vector3<f64
         let amplitude_mm = effect.get(AMPLITUDE) * now.sense[k];
         match effect.cause.id {
             "reversal-spike" => now.reversals[k].map_or(0.0, |reversal| {
-                amplitude_mm * (-reversal.ago_s / effect.get("decay_ms")).exp()
+                amplitude_mm * (-reversal.ago_s / effect.get("decay")).exp()
             }),
             "stick-slip" => {
-                let speeds = now.velocity_mm_s[k].abs() / effect.get("speed_mm_min");
+                let speeds = now.velocity_mm_s[k].abs() / effect.get("speed");
                 -amplitude_mm * (-speeds).exp()
             }
             _ => 0.0,

@@ -42,19 +42,17 @@ fn error(effect: &Effect, slide: Axis, now: &Condition) -> f64 {
     let k = slide.index();
     let (h_mm, sense) = (now.position_mm[k], now.sense[k]);
     let amplitude = effect.get(AMPLITUDE);
-    let from_at = || (h_mm - effect.get("at_mm")) / effect.get("width_mm");
+    let from_at = || (h_mm - effect.get("at")) / effect.get("width");
     match effect.cause.id {
-        "cyclic" => {
-            amplitude * (TAU * h_mm / effect.get("period_mm") + effect.get("phase_rad")).sin()
-        }
+        "cyclic" => amplitude * (TAU * h_mm / effect.get("period") + effect.get("phase")).sin(),
         "degree" => amplitude * (h_mm / DEGREE_AT_MM).powi(effect.get("degree") as i32),
         "bump" => amplitude * (-0.5 * from_at().powi(2)).exp(),
         "joint" => amplitude * from_at().tanh(),
-        "growing-backlash" => effect.get("slope_um_m") * sense * h_mm,
+        "growing-backlash" => effect.get("slope") * sense * h_mm,
         "pre-sliding" => {
             // A slide that has never turned round leans as far as it can.
             let left = now.reversals[k]
-                .map_or(0.0, |reversal| (-reversal.ago_mm / effect.get("distance_mm")).exp());
+                .map_or(0.0, |reversal| (-reversal.ago_mm / effect.get("distance")).exp());
             amplitude * sense * (1.0 - 2.0 * left)
         }
         // Where a slide moves, its sense is the sign of its velocity.

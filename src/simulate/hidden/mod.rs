@@ -83,8 +83,8 @@ pub(super) fn of_run(scenario: &Scenario) -> Vec<Effect> {
     });
     let drawn = |effect: Effect| match effect.cause.id {
         "vibration" => {
-            let phase_rad = effect.get("phase_rad") + phases.between([0.0, std::f64::consts::TAU]);
-            effect.with("phase_rad", phase_rad)
+            let phase_rad = effect.get("phase") + phases.between([0.0, std::f64::consts::TAU]);
+            effect.with("phase", phase_rad)
         }
         _ => effect,
     };

@@ -20,7 +20,7 @@ pub(crate) fn add_to_balls(hidden: &[Effect], now: &Condition, errors: &mut Chai
         ball_mm[of.axis.index()] += match effect.cause.id {
             "drift" => warmed(effect, now.elapsed_s),
             "vibration" => swing(effect, now.elapsed_s),
-            "knock" if now.elapsed_s > effect.get("moment_s") => effect.get("step_um"),
+            "knock" if now.elapsed_s > effect.get("moment") => effect.get("step"),
             _ => 0.0,
         };
     }
@@ -47,11 +47,11 @@ pub(crate) fn reading_mm(hidden: &[Effect], now: &Condition, ball_mm: &Vector3<f
 /// `A (1 - exp(-t / time constant))` in the unit of the amplitude.
 pub(super) fn warmed(effect: &Effect, elapsed_s: f64) -> f64 {
     // exp_m1 keeps the digits of a time constant of months.
-    -effect.get(AMPLITUDE) * (-elapsed_s / effect.get("time_constant_s")).exp_m1()
+    -effect.get(AMPLITUDE) * (-elapsed_s / effect.get("time_constant")).exp_m1()
 }
 
 /// `A sin(2 pi frequency t + phase)`, mm.
 fn swing(effect: &Effect, elapsed_s: f64) -> f64 {
-    let turns = effect.get("frequency_hz") * elapsed_s;
-    effect.get(AMPLITUDE) * (TAU * turns + effect.get("phase_rad")).sin()
+    let turns = effect.get("frequency") * elapsed_s;
+    effect.get(AMPLITUDE) * (TAU * turns + effect.get("phase")).sin()
 }

@@ -57,7 +57,7 @@ pub(crate) fn offset_mm(hidden: &[Effect], ball: Ball) -> Vector3<f64> {
             if let Seat::Ball(of) = effect.seat
                 && of.ball == ball
             {
-                offset[of.axis.index()] += effect.get("offset_mm");
+                offset[of.axis.index()] += effect.get("offset");
             }
             offset
         },
