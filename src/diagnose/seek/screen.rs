@@ -49,38 +49,41 @@ fn grid(low: f64, high: f64, count: usize) -> Vec<f64> {
     (0..count).map(|k| low * (k as f64 * ratio).exp()).collect()
 }
 
+/// Everything that effects, known or not, may hang on: a variable, whether with the sense, and what they displace.
+pub(super) fn gathered() -> Vec<(Variable, bool, Vec<Seat>)> {
+    let mut plan: Vec<(Variable, bool, Vec<Seat>)> = Vec::new();
+    for axis in Axis::ALL {
+        let functions: Vec<Seat> =
+            Component::ALL.into_iter().map(|component| Seat::Function(axis, component)).collect();
+        let slide = vec![Seat::Slide(axis)];
+        plan.push((Variable::Position(axis), false, functions.clone()));
+        plan.push((Variable::Position(axis), true, functions.clone()));
+        plan.push((Variable::WaySinceReversal(axis), true, functions.clone()));
+        // A slide as a whole is its own positioning error.
+        let mut others = functions;
+        others[axis.index()] = Seat::Slide(axis);
+        plan.push((Variable::Velocity(axis), false, others));
+        plan.push((Variable::Velocity(axis), true, slide.clone()));
+        plan.push((Variable::SinceReversal(axis), true, slide));
+    }
+    let balls = Axis::ALL.map(|axis| Seat::Ball(SetUp { ball: Ball::Tool, axis }));
+    let scales = [Component::X, Component::Y, Component::Z]
+        .into_iter()
+        .zip(Axis::ALL)
+        .map(|(component, slide)| Coefficient { slide, component, power: Power::P1 })
+        .map(Seat::Coefficient);
+    plan.push((
+        Variable::Elapsed,
+        false,
+        balls.into_iter().chain(scales).chain([Seat::Bar]).collect(),
+    ));
+    plan
+}
+
 impl Screen {
     /// Gathers what an effect may hang on.
     pub(crate) fn new(alone: &Beside, campaign: &Campaign) -> Self {
-        let mut plan: Vec<(Variable, bool, Vec<Seat>)> = Vec::new();
-        for axis in Axis::ALL {
-            let functions: Vec<Seat> = Component::ALL
-                .into_iter()
-                .map(|component| Seat::Function(axis, component))
-                .collect();
-            let slide = vec![Seat::Slide(axis)];
-            plan.push((Variable::Position(axis), false, functions.clone()));
-            plan.push((Variable::Position(axis), true, functions.clone()));
-            plan.push((Variable::WaySinceReversal(axis), true, functions.clone()));
-            // A slide as a whole is its own positioning error.
-            let mut others = functions;
-            others[axis.index()] = Seat::Slide(axis);
-            plan.push((Variable::Velocity(axis), false, others));
-            plan.push((Variable::Velocity(axis), true, slide.clone()));
-            plan.push((Variable::SinceReversal(axis), true, slide));
-        }
-        let balls = Axis::ALL.map(|axis| Seat::Ball(SetUp { ball: Ball::Tool, axis }));
-        let scales = [Component::X, Component::Y, Component::Z]
-            .into_iter()
-            .zip(Axis::ALL)
-            .map(|(component, slide)| Coefficient { slide, component, power: Power::P1 })
-            .map(Seat::Coefficient);
-        plan.push((
-            Variable::Elapsed,
-            false,
-            balls.into_iter().chain(scales).chain([Seat::Bar]).collect(),
-        ));
-        let channels: Vec<Vec<Channel>> = plan
+        let channels: Vec<Vec<Channel>> = gathered()
             .par_iter()
             .map(|(variable, with_sense, seats)| {
                 Channel::gather(alone.residuals, *variable, *with_sense, seats)

@@ -1,9 +1,10 @@
 //! What a look over bins and moments finds, against the columns themselves.
 
 use super::channel::Channel;
+use super::screen::gathered;
 use super::{curves, knock};
 use crate::machine::Axis;
-use crate::model::{Seat, Variable};
+use crate::model::{CAUSES, Seat, Shape, Start, Variable};
 use crate::residual::bench::{element, residuals, white};
 use crate::residual::{Element, Owner, Residuals, System, fit};
 
@@ -78,4 +79,33 @@ fn a_curve_follows_what_no_cause_describes() {
     assert_eq!((curve.seat, curve.variable), (seats[0], Variable::Position(Axis::X)));
     let whole = System::of(&alone, &wave).gain_mm2(&alone).unwrap();
     assert!(best.score_mm2 > 0.98 * whole, "{} of {whole}", best.score_mm2);
+}
+
+#[test]
+fn every_cause_over_a_variable_is_looked_for_on_all_its_seats() {
+    let gathered = gathered();
+    for cause in CAUSES.iter().filter(|cause| cause.law.is_term()) {
+        for seat in cause.seats() {
+            let inner = cause.inner(seat);
+            assert_eq!(
+                inner.is_some(),
+                cause.law(seat).inner().is_some(),
+                "{} has no such key",
+                cause.id
+            );
+            let over_bins = match inner {
+                Some((inner, _)) => !matches!(inner.start, Start::Lines | Start::Moments),
+                None => true,
+            };
+            if let Some(of) =
+                (Shape { cause, seat, inner: None }).dependence().filter(|_| over_bins)
+            {
+                let found = gathered.iter().any(|(variable, with_sense, seats)| {
+                    (*variable, *with_sense) == (of.variable, of.with_sense)
+                        && seats.contains(&seat)
+                });
+                assert!(found, "{} on {seat}", cause.id);
+            }
+        }
+    }
 }

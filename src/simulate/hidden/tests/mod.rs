@@ -10,6 +10,7 @@ use crate::nc::{self, Program};
 use crate::plan::BallBar;
 use crate::simulate::{Pauses, Scenario, SimulatedRun, TruePoint, TrueRun, run, truth_toml};
 
+mod columns;
 mod readings;
 mod settings;
 mod slides;
