@@ -32,6 +32,23 @@ pub enum SeatKind {
     None,
 }
 
+impl SeatKind {
+    /// What it is, with examples, as `docs/reference.md` has it.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Function => "an error function: `EXX`, `EBZ`",
+            Self::Angle => "an angular function: `EBX`",
+            Self::Slide => "an axis: `X`",
+            Self::Slides => "an axis: `X`; without it all alike",
+            Self::Body => "a ball `EZt`, a scale `EXX1`, or `bar`",
+            Self::Ball => "a ball: `EXt` .. `EZw`",
+            Self::Reading => "`EXt`, `EYt`, `EZt` or `bar`",
+            Self::Coefficient => "a coefficient: `EBX3`",
+            Self::None => "",
+        }
+    }
+}
+
 /// What an effect acts on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Seat {

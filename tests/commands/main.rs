@@ -11,6 +11,7 @@ mod good;
 mod hide;
 mod mountings;
 mod plan;
+mod reference;
 mod refused;
 mod settings;
 mod work;

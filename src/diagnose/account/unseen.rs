@@ -28,13 +28,13 @@ pub(crate) fn unseen(alone: &Beside, campaign: &Campaign) -> Vec<String> {
         }
     }
     sentences.push(
-        "A radius that shrinks with the square of the feed is a scale of all slides in each run; compare EXX1, EYY1 and EZZ1 of runs at two feeds."
+        "A radius that shrinks with the square of the feed is a scale of all axes in each run; compare EXX1, EYY1 and EZZ1 of runs at two feeds."
             .to_owned(),
     );
     let runs = campaign.repeats.iter().flat_map(|repeat| &repeat.runs);
     if runs.map(|run| run.mounting).all(|mounting| mounting == 0) {
         sentences.push(
-            "A wrong place of the balls in the test file, or a wrong pivot in the machine file, moves coefficients and leaves next to no residual in one mounting."
+            "A wrong position of the balls in the test file or a wrong pivot in the machine file changes coefficients, and in one mounting leaves next to nothing in the residuals."
                 .to_owned(),
         );
     }
