@@ -2,12 +2,12 @@
 //!
 //! Each cause of [`CAUSES`](crate::model::CAUSES) works on one of four places of a run:
 //!
-//! | place | file | causes |
-//! | --- | --- | --- |
-//! | what the test and machine files say | `settings` | coefficient, pivot, ball-place, feed-override, clock |
-//! | the error functions of a slide | `functions` | cyclic, degree, bump, joint, growing-backlash, pre-sliding, friction-tilt, drift of a scale |
-//! | where a slide stands | `followings` | servo, reversal-spike, stick-slip |
-//! | the balls and the bar | `readings` | drift, knock, vibration, bar-length, roundness |
+//! | place | file |
+//! | --- | --- |
+//! | what the test and machine files say | `settings` |
+//! | the error functions of an axis | `functions` |
+//! | where an axis stands | `followings` |
+//! | the balls and the bar | `readings` |
 //!
 //! All are worked out here from the equation and the motion, and go through the exact chain; nothing of
 //! the columns that look for them is used.
