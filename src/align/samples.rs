@@ -111,6 +111,7 @@ impl Alignment {
                 motion: Motion {
                     velocity_mm_s: state.velocity_mm_s,
                     elapsed_s: (1.0 + time_map.rate) * (log_s - self.began_log_s),
+                    program_s: moment.program_s,
                     reversals: self.reversals.last(moment.program_s, &state.position_mm),
                     corner: trajectory.corner(moment.program_s, state.block),
                 },

@@ -27,6 +27,8 @@ pub struct Motion {
     pub velocity_mm_s: Vector3<f64>,
     /// Time since the program began, the operator's pauses included, s.
     pub elapsed_s: f64,
+    /// Time in the program, the operator's pauses left out, s: the same place of a program has the same in all runs.
+    pub program_s: f64,
     /// The last reversal of X, Y, Z; `None` where a slide has only ever moved one way.
     pub reversals: [Option<Reversal>; 3],
     /// The end of the present block.
@@ -38,6 +40,7 @@ impl Motion {
     pub const REST: Self = Self {
         velocity_mm_s: Vector3::new(0.0, 0.0, 0.0),
         elapsed_s: 0.0,
+        program_s: 0.0,
         reversals: [None; 3],
         corner: Corner { ahead_s: f64::INFINITY, jump_mm_s: Vector3::new(0.0, 0.0, 0.0) },
     };

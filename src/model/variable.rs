@@ -18,6 +18,8 @@ pub enum Variable {
     Velocity(Axis),
     /// Time since the program began, s.
     Elapsed,
+    /// Time in the program, without the operator's pauses, s.
+    Program,
     /// Time since a slide reversed, s.
     SinceReversal(Axis),
     /// Way of a slide since it reversed, mm.
@@ -35,7 +37,7 @@ impl Variable {
                 Self::WaySinceReversal(axis),
             ]
         });
-        of_slides.chain([Self::Elapsed])
+        of_slides.chain([Self::Elapsed, Self::Program])
     }
 
     /// Reads what it is called, such as `position of X`.
@@ -49,6 +51,7 @@ impl Variable {
             Self::Position(axis) => Some(pose.position_mm[axis.index()]),
             Self::Velocity(axis) => Some(motion.velocity_mm_s[axis.index()]),
             Self::Elapsed => Some(motion.elapsed_s),
+            Self::Program => Some(motion.program_s),
             Self::SinceReversal(axis) => motion.reversals[axis.index()].map(|r| r.ago_s),
             Self::WaySinceReversal(axis) => motion.reversals[axis.index()].map(|r| r.ago_mm),
         }
@@ -59,7 +62,7 @@ impl Variable {
         match self {
             Self::Position(_) | Self::WaySinceReversal(_) => "mm",
             Self::Velocity(_) => "mm/s",
-            Self::Elapsed | Self::SinceReversal(_) => "s",
+            Self::Elapsed | Self::Program | Self::SinceReversal(_) => "s",
         }
     }
 
@@ -70,7 +73,7 @@ impl Variable {
             | Self::Velocity(axis)
             | Self::SinceReversal(axis)
             | Self::WaySinceReversal(axis) => Some(axis),
-            Self::Elapsed => None,
+            Self::Elapsed | Self::Program => None,
         }
     }
 }
@@ -81,6 +84,7 @@ impl fmt::Display for Variable {
             Self::Position(axis) => write!(f, "position of {axis}"),
             Self::Velocity(axis) => write!(f, "velocity of {axis}"),
             Self::Elapsed => f.write_str("time since the program began"),
+            Self::Program => f.write_str("time in the program"),
             Self::SinceReversal(axis) => write!(f, "time since {axis} reversed"),
             Self::WaySinceReversal(axis) => write!(f, "way since {axis} reversed"),
         }

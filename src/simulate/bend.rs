@@ -53,6 +53,8 @@ pub(super) struct Condition {
     pub(super) velocity_mm_s: Vector3<f64>,
     /// Time since the program began, the operator's pauses included, s.
     pub(super) elapsed_s: f64,
+    /// Time in the program, without them, s.
+    pub(super) program_s: f64,
     /// Their last reversals.
     pub(super) reversals: [Option<Reversal>; 3],
     /// How far they are from their commanded places because they follow late, mm: below 0 on the way up.
@@ -64,6 +66,7 @@ impl Condition {
         Motion {
             velocity_mm_s: self.velocity_mm_s,
             elapsed_s: self.elapsed_s,
+            program_s: self.program_s,
             reversals: self.reversals,
             ..Motion::REST
         }
@@ -76,6 +79,7 @@ impl Condition {
             sense: Vector3::zeros(),
             velocity_mm_s: Vector3::zeros(),
             elapsed_s: 0.0,
+            program_s: 0.0,
             reversals: [None; 3],
             lag_mm: Vector3::zeros(),
         }
@@ -141,6 +145,7 @@ impl Bent {
             sense: state.sense,
             velocity_mm_s: state.velocity_mm_s,
             elapsed_s: machine_s.max(0.0),
+            program_s: moment.program_s,
             reversals: drive.reversals.last(turned_by_s, &state.position_mm),
             lag_mm: self.lag_mm(drive, machine_s, &moment, &state),
         };

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::model::{AMPLITUDE, Effect, Inner, ORDER, PHASE, RUN, Start};
+use crate::model::{AMPLITUDE, Effect, Inner, ORDER, PHASE, RUN, Start, Variable};
 use crate::residual::{Fitted, Owner, Residuals};
 
 /// A number of a finding, as it is written.
@@ -77,7 +77,11 @@ pub(crate) fn told(
     for (part, effect) in effects.iter().enumerate() {
         for ((written, value), key) in effect.written().into_iter().zip(effect.cause.keys) {
             let sigma = match (inner.filter(|inner| inner.key == key.name), key.name) {
-                (Some(Inner { start: Start::Moments, .. }), _) => Some(began_s),
+                // It lies between two readings, whenever the program began.
+                (Some(Inner { start: Start::Moments, .. }), _) => {
+                    let of = shape.dependence().map(|of| of.variable);
+                    (of == Some(Variable::Elapsed)).then_some(began_s)
+                }
                 (Some(_), _) => inner_sigma,
                 (None, PHASE) if !each_run => {
                     let square = amplitudes[0].powi(2) + amplitudes[1].powi(2);

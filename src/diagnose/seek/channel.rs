@@ -32,13 +32,13 @@ impl Bins {
         let (logarithm_over, finest) = match variable {
             Variable::Position(_) => (0.0, 0.5),
             Variable::Velocity(_) => (0.0, 0.0),
-            Variable::Elapsed => (0.0, 1.0),
+            Variable::Elapsed | Variable::Program => (0.0, 1.0),
             Variable::SinceReversal(_) => (0.05, 0.0),
             Variable::WaySinceReversal(_) => (0.01, 0.0),
         };
         let most = match variable {
             Variable::Position(_) => 800,
-            Variable::Elapsed => 400,
+            Variable::Elapsed | Variable::Program => 400,
             Variable::Velocity(_) => 160,
             _ => 120,
         };

@@ -43,6 +43,7 @@ fn situations<'a>(
         let motion = Motion {
             velocity_mm_s: state.velocity_mm_s,
             elapsed_s: elapsed_s(k, RATE_HZ),
+            program_s: moment.program_s,
             reversals: reversals.last(turned_by_s, &state.position_mm),
             ..Motion::REST
         };
