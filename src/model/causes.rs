@@ -35,6 +35,10 @@ const fn turning(variable: fn(Axis) -> Variable) -> Over {
 }
 
 const ELAPSED: Over = over(|_| Variable::Elapsed);
+const PROGRAM: Over = over(|_| Variable::Program);
+
+/// From a moment on.
+const STEP: fn(f64, f64) -> f64 = |t, moment| if t > moment { 1.0 } else { 0.0 };
 
 /// An inner number that nothing bounds but the limits of its key.
 const fn inner(key: &'static str, scale: Option<Scale>, start: Start) -> Inner {
@@ -201,16 +205,24 @@ pub const CAUSES: &[Cause] = &[
         title: "knock: a ball moved once",
         seat: SeatKind::Ball,
         keys: &[key("step", Unit::UM, [-1e4, 1e4]), key("moment", Unit::S, [0.0, 1e6]), RUN_KEY],
-        law: Law::Curve(
-            ELAPSED,
-            |t, moment| if t > moment { 1.0 } else { 0.0 },
-            Some(inner("moment", None, Start::Moments)),
-        ),
+        law: Law::Curve(ELAPSED, STEP, Some(inner("moment", None, Start::Moments))),
         runs: Runs::One,
         equation: "x = step for t > moment, in that run",
         source: "the magnetic cup or the stand was touched; a chip came between ball and cup",
         remedy: "clean and fasten cup and stand, repeat the run",
         taken_for: "drift, a reading that was lost",
+        ..CAUSE
+    },
+    Cause {
+        id: "repeated-step",
+        title: "step of a ball at the same moment of every run",
+        seat: SeatKind::Ball,
+        keys: &[key("step", Unit::UM, [-1e4, 1e4]), key("moment", Unit::S, [0.0, 1e6])],
+        law: Law::Curve(PROGRAM, STEP, Some(inner("moment", None, Start::Moments))),
+        equation: "x = step from this moment of the program on, without the operator's pauses, in every run",
+        source: "something that the program does there: a hose or cable that snags, a clamp, a valve, a spindle that lets go",
+        remedy: "watch the machine at that moment of the program; tie hoses and cables, hold the spindle",
+        taken_for: "drift; a local fault of a guideway",
         ..CAUSE
     },
     Cause {

@@ -131,6 +131,20 @@ fn a_ball_that_was_knocked_in_the_second_run() {
 }
 
 #[test]
+fn a_hose_that_snags_at_the_same_moment_of_every_run() {
+    let moment_s = 250.0;
+    let found = with(|seen| if seen.sample.program_s > moment_s { -2.0 * seen.u[1] } else { 0.0 });
+    explained(&found);
+    assert_eq!(found.findings.len(), 1, "{:?}", found.findings);
+    let finding = &found.findings[0];
+    assert!(is(finding, "repeated-step", "EYt"));
+    assert_eq!(finding.owner(), Owner::All);
+    near(finding, "step_um", -2.0);
+    // Between two readings.
+    assert!((finding.effects[0].get("moment") - moment_s).abs() < 0.1, "{:?}", finding.effects);
+}
+
+#[test]
 fn backlash_that_grows_along_a_slide() {
     let found = with(|seen| {
         let z = Axis::Z;

@@ -1,51 +1,72 @@
-//! Where a ball may have moved: every moment of every run tried in one pass.
+//! Where a ball may have moved: every moment tried in one pass, of every run by itself or of all at once.
 
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
 use crate::diagnose::thresholds::SEEN;
-use crate::machine::Axis;
-use crate::model::{Ball, Cause, Form, Seat, SetUp, Shape};
+use crate::model::{Cause, Form, Runs, Seat, Shape};
 use crate::residual::{Beside, Element, Owner};
 use crate::solve::dot;
 
-/// A step needs so many samples on either side, or it is a reading that went wrong.
+/// A step needs so many samples of a run on either side, or it is a reading that went wrong.
 const FEWEST: usize = 20;
 
-/// The best moment of every run and direction.
+/// The best moment of every ball and, where each run has its own, every run.
 pub(crate) fn candidates(cause: &'static Cause, beside: &Beside) -> Vec<Candidate> {
-    let runs = beside.residuals.runs();
-    let places: Vec<(usize, usize, Axis)> = runs
-        .flat_map(|(repeat, run)| Axis::ALL.into_iter().map(move |axis| (repeat, run, axis)))
-        .collect();
+    let runs: Vec<(usize, usize)> = beside.residuals.runs().collect();
+    let groups: Vec<(Owner, Vec<(usize, usize)>)> = match cause.runs {
+        Runs::One => {
+            let alone = |&(repeat, run)| (Owner::One { repeat, run }, vec![(repeat, run)]);
+            runs.iter().map(alone).collect()
+        }
+        Runs::Alike => vec![(Owner::All, runs)],
+        Runs::Each => vec![(Owner::EachRun, runs)],
+    };
+    let seats = cause.seats();
+    let places: Vec<(&(Owner, Vec<(usize, usize)>), Seat)> =
+        groups.iter().flat_map(|group| seats.iter().map(move |seat| (group, *seat))).collect();
     let found: Vec<Option<Candidate>> = places
         .par_iter()
-        .map(|&(repeat, run, axis)| {
-            let (moment_s, gain_mm2) = best_moment(beside, repeat, run, axis)?;
-            let seat = Seat::Ball(SetUp { ball: Ball::Tool, axis });
-            let shape = Shape { cause, seat, inner: Some(moment_s) };
-            let element = Element::new(Form::Cause(shape), Owner::One { repeat, run });
+        .map(|((owner, runs), seat)| {
+            let at_once = Shape { cause, seat: *seat, inner: Some(0.0) };
+            let (moment_s, gain_mm2) = best_moment(beside, runs, &at_once)?;
+            let shape = Shape { inner: Some(moment_s), ..at_once };
+            let element = Element::new(Form::Cause(shape), *owner);
             Some(Candidate { element, gain_mm2 })
         })
         .collect();
     found.into_iter().flatten().collect()
 }
 
-/// Moment (s since the program began) and gain (mm²) of the best step of the tool ball.
-fn best_moment(beside: &Beside, repeat: usize, run: usize, axis: Axis) -> Option<(f64, f64)> {
-    let of = &beside.residuals.repeats[repeat];
-    let range = of.runs[run].samples.clone();
-    // Sums from the end of the run back to a sample: those of the column of a step before it.
-    let mut along = vec![0.0; of.basis.rank()];
+/// Moment (s) and gain (mm²) of the best step of a ball at the same moment of these runs.
+fn best_moment(beside: &Beside, runs: &[(usize, usize)], step: &Shape) -> Option<(f64, f64)> {
+    let repeats = &beside.residuals.repeats;
+    let mut samples: Vec<(usize, usize)> = runs
+        .iter()
+        .flat_map(|&(repeat, run)| {
+            repeats[repeat].runs[run].samples.clone().map(move |k| (repeat, k))
+        })
+        .collect();
+    let time = step.dependence()?.variable;
+    let time_s = |&(repeat, k): &(usize, usize)| {
+        let at = &repeats[repeat].samples[k].situation;
+        time.value(&at.pose, &at.motion).unwrap_or(0.0)
+    };
+    samples.sort_by(|a, b| time_s(b).total_cmp(&time_s(a)));
+    let few = FEWEST * runs.len();
+    // Sums from the end of the runs back to a sample: those of the column of a step before it.
+    let mut along: Vec<Vec<f64>> = repeats.iter().map(|of| vec![0.0; of.basis.rank()]).collect();
+    let mut followed = vec![0.0; repeats.len()];
     let mut along_span = vec![0.0; beside.span.len()];
     let (mut squares, mut common) = (0.0, 0.0);
     let mut best: Option<(usize, f64)> = None;
-    for k in range.clone().rev() {
-        let sample = &of.samples[k];
-        let worth = sample.situation.direction[axis.index()] * sample.root_weight;
-        for (a, q) in along.iter_mut().zip(of.basis.row(k)) {
+    for (later, &(repeat, k)) in samples.iter().enumerate() {
+        let sample = &repeats[repeat].samples[k];
+        let worth = step.seat.sensitivity(&sample.situation) * sample.root_weight;
+        for (a, q) in along[repeat].iter_mut().zip(repeats[repeat].basis.row(k)) {
             *a += worth * q;
         }
+        followed[repeat] = dot(&along[repeat], &along[repeat]);
         for (a, unit) in along_span.iter_mut().zip(&beside.span) {
             if let Some(u) = unit[repeat].get(k) {
                 *a += worth * u;
@@ -53,17 +74,16 @@ fn best_moment(beside: &Beside, repeat: usize, run: usize, axis: Axis) -> Option
         }
         squares += worth * worth;
         common += worth * beside.left_mm[repeat][k];
-        let left = squares - dot(&along, &along) - dot(&along_span, &along_span);
-        let inside = range.end - k >= FEWEST && k - range.start >= FEWEST;
+        let left = squares - followed.iter().sum::<f64>() - dot(&along_span, &along_span);
+        let inside = later + 1 >= few && samples.len() - later > few;
         if inside && left > SEEN * squares {
             let gain = common * common / left;
             if best.is_none_or(|(_, most)| gain > most) {
-                best = Some((k, gain));
+                best = Some((later, gain));
             }
         }
     }
-    let (k, gain) = best?;
-    let before = of.samples[k - 1].elapsed_s();
-    let after = of.samples[k].elapsed_s();
-    Some((0.5 * (before + after), gain))
+    let (later, gain) = best?;
+    let moment_s = 0.5 * (time_s(samples.get(later + 1)?) + time_s(&samples[later]));
+    Some((moment_s, gain))
 }

@@ -21,6 +21,7 @@ pub(crate) fn add_to_balls(hidden: &[Effect], now: &Condition, errors: &mut Chai
             "drift" => warmed(effect, now.elapsed_s),
             "vibration" => swing(effect, now.elapsed_s),
             "knock" if now.elapsed_s > effect.get("moment") => effect.get("step"),
+            "repeated-step" if now.program_s > effect.get("moment") => effect.get("step"),
             _ => 0.0,
         };
     }

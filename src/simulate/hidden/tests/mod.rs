@@ -118,7 +118,7 @@ fn elapsed_s(index: usize, rate_hz: f64) -> f64 {
 }
 
 /// One effect of every cause, and of every kind of seat.
-const EXAMPLES: [&str; 25] = [
+const EXAMPLES: [&str; 26] = [
     "cyclic:on=EXX,amplitude_um=1.2,period_mm=10,phase_rad=0",
     "cyclic:on=EBZ,amplitude_urad=5,period_mm=20,phase_rad=1",
     "servo:on=Y,delay_ms=0.4",
@@ -144,6 +144,7 @@ const EXAMPLES: [&str; 25] = [
     "bump:on=EYZ,amplitude_um=3,at_mm=40,width_mm=9",
     "joint:on=EYZ,amplitude_um=3,at_mm=40,width_mm=9",
     "friction-tilt:on=EBZ,amplitude_urad=10",
+    "repeated-step:on=EYt,step_um=5,moment_s=60",
 ];
 
 #[test]
