@@ -40,7 +40,7 @@ impl Measured {
         let (mut poses, mut deviations_mm) = (Vec::new(), Vec::new());
         for run in test.runs().unwrap() {
             let measured = MeasuredRun::read(&test, run).unwrap();
-            for sample in measured.aligned(&test, &machine).unwrap().alignment.samples {
+            for sample in measured.aligned(&test, &machine).unwrap().samples() {
                 if matches!(sample.place, ballbar::align::Place::Arc(_)) {
                     poses.push(sample.pose);
                     deviations_mm.push(sample.deviation_mm);

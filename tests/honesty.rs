@@ -57,12 +57,7 @@ impl Bench {
         let terms = model::terms(&["observable35".to_owned()], &["A".to_owned()]).unwrap();
         let model = Model::new(machine, vec![*mounting], terms);
         let options = Options::of(&self.test);
-        let input = RunInput {
-            name: "run1".to_owned(),
-            mounting: 0,
-            nominal_mm: self.bar().length_mm,
-            alignment,
-        };
+        let input = RunInput::new("run1".to_owned(), 0, self.bar().length_mm, alignment);
         Ok((run, identify::identify(&model, vec![input], &options)?))
     }
 }
@@ -257,12 +252,8 @@ fn scatter_over_foretold(file: &str, scenario: &Scenario, count: usize) -> Vec<(
                     let program = &p.program;
                     let aligned = align::Run { log: &log, program, rig, feed_override: 1.0 };
                     let alignment = align::align(&aligned).unwrap();
-                    RunInput {
-                        name: names[p.mounting].clone(),
-                        mounting: p.mounting,
-                        nominal_mm: bar.length_mm,
-                        alignment,
-                    }
+                    let name = names[p.mounting].clone();
+                    RunInput::new(name, p.mounting, bar.length_mm, alignment)
                 })
                 .collect();
             identify::identify(&model(), inputs, &options).unwrap().values()

@@ -63,7 +63,7 @@ impl Draft {
             .filter(|reading| reading.deviation_mm.is_some());
         let first_s = run.log.readings().first().map_or(0.0, |reading| reading.time_s);
         let (began_log_s, began_sigma_s) = self.time_map.began(first_s);
-        let mut alignment = Alignment {
+        Alignment {
             began_log_s,
             began_sigma_s,
             reversals: Reversals::of(&self.trajectory),
@@ -73,12 +73,9 @@ impl Draft {
             time_map: self.time_map,
             marks: self.marks,
             engagements: self.engagements,
-            samples: Vec::new(),
             sample_period_s: run.log.sample_period_s(),
             coincidence_mm: run.rig.mounting.coincidence_mm,
-        };
-        alignment.place_samples();
-        alignment
+        }
     }
 }
 

@@ -60,8 +60,6 @@ pub struct Alignment {
     pub engagements: Vec<Engagement>,
     /// The arcs.
     pub sections: Vec<Section>,
-    /// The readings, in order.
-    pub samples: Vec<Sample>,
     /// Sample period of the log, s.
     pub sample_period_s: f64,
     /// When the program began, on the log's clock, s: half way between what the log allows where an
@@ -76,8 +74,8 @@ pub struct Alignment {
 }
 
 impl Alignment {
-    /// Lays the samples over the program again, after the time map has changed.
-    pub fn place_samples(&mut self) {
+    /// The readings where the time map, as it is now, lays them.
+    pub fn samples(&self) -> Vec<Sample> {
         let (trajectory, time_map) = (&self.trajectory, &self.time_map);
         let mut samples = Vec::with_capacity(self.readings.len());
         for &Reading { time_s: log_s, deviation_mm, line } in &self.readings {
@@ -119,7 +117,7 @@ impl Alignment {
                 leg: moment.leg,
             });
         }
-        self.samples = samples;
+        samples
     }
 
     /// Machine coordinates at which the ball centres coincide, mm.
@@ -129,7 +127,9 @@ impl Alignment {
 
     /// Legs that have samples, in order.
     pub fn legs(&self) -> Vec<usize> {
-        let mut legs: Vec<usize> = self.samples.iter().map(|s| s.leg).collect();
+        let read = self.readings.iter().filter(|reading| reading.deviation_mm.is_some());
+        let mut legs: Vec<usize> =
+            read.map(|reading| self.time_map.at(reading.time_s).leg).collect();
         legs.dedup();
         legs.sort_unstable();
         legs.dedup();

@@ -74,13 +74,16 @@ impl Fit {
 impl Alignment {
     /// The time of every arc whose chords tell it; shifts are looked for this far either way.
     pub fn arc_times(&self, reach_s: f64) -> Vec<ArcTime> {
-        (0..self.sections.len()).filter_map(|section| self.arc_time(section, reach_s)).collect()
+        let samples = self.samples();
+        (0..self.sections.len())
+            .filter_map(|section| self.arc_time(section, &samples, reach_s))
+            .collect()
     }
 
-    fn arc_time(&self, index: usize, reach_s: f64) -> Option<ArcTime> {
+    fn arc_time(&self, index: usize, samples: &[Sample], reach_s: f64) -> Option<ArcTime> {
         let section = &self.sections[index];
         let on_arc: Vec<&Sample> =
-            self.samples.iter().filter(|s| s.place == Place::Arc(index)).collect();
+            samples.iter().filter(|s| s.place == Place::Arc(index)).collect();
         // Neighbours without a gap, so that what changes slowly drops out.
         let longest_s = crate::log::Log::GAP_PERIODS * self.sample_period_s;
         let cell = |time_s: f64| ((time_s - section.start_s) / GRID_S).round() as i64;

@@ -28,7 +28,7 @@ impl Arguments {
         for identification in &identified.campaign.repeats {
             for run in &identification.runs {
                 let mut text = Vec::new();
-                report::write_aligned(&mut text, &run.alignment)?;
+                report::write_aligned(&mut text, run)?;
                 files.add(common.output.join(format!("samples-{}.csv", run.name)), text);
             }
         }

@@ -52,9 +52,9 @@ pub(super) fn add_results(
         files.add(directory.join("model.toml"), model.to_toml());
     }
     for identification in &identified.campaign.repeats {
-        for (run, records) in identification.runs.iter().zip(&identification.records) {
+        for run in &identification.runs {
             let mut text = Vec::new();
-            report::write_samples(&mut text, run, records)?;
+            report::write_samples(&mut text, run)?;
             files.add(directory.join(format!("samples-{}.csv", run.name)), text);
         }
     }

@@ -189,7 +189,7 @@ impl Measured {
         let n = basis.coefficients.len();
         let mut rows = Tsqr::new(SET_UPS + n);
         let weight = self.variance_mm2.sqrt().recip();
-        for sample in &rehearsed.alignment.samples {
+        for sample in rehearsed.samples() {
             if !matches!(sample.place, align::Place::Arc(_)) {
                 continue;
             }

@@ -176,7 +176,7 @@ impl Outlook {
 
         let model = Model::new(machine, balls.clone(), model::terms(&terms, &names)?);
         let noise = identify::stated_noise(test.ball_bar());
-        let prediction = identify::predict(&model, copies(&runs), &options, &noise)?;
+        let prediction = identify::predict(&model, runs.clone(), &options, &noise)?;
         step();
         let (ideal_rank, unseen) = unseen(test, machine, &model, chosen)?;
         step();
@@ -223,7 +223,7 @@ impl MountingOutlook {
     fn new(test: &Test, machine: &Machine, program: PlannedProgram, run: &RunInput) -> Self {
         let named = test.mountings()[program.mounting].clone();
         let (time, lengths_mm) = time_by_kind(test, &program, run);
-        let on_arcs = run.alignment.samples.iter().filter(|sample| match sample.place {
+        let on_arcs = run.samples().iter().filter(|sample| match sample.place {
             crate::align::Place::Arc(section) => !run.alignment.sections[section].transit,
             _ => false,
         });
@@ -268,13 +268,6 @@ fn time_by_kind(test: &Test, program: &PlannedProgram, run: &RunInput) -> (TimeB
     time.other_feed_s = total.feed_s - time.arcs_s - time.transits_s;
     (time.dwell_s, time.rapid_s, time.stops) = (total.dwell_s, total.rapid_s, total.stops);
     (time, lengths_mm)
-}
-
-/// The same rehearsal again.
-fn copies(runs: &[RunInput]) -> Vec<RunInput> {
-    runs.iter()
-        .map(|run| RunInput { name: run.name.clone(), alignment: run.alignment.clone(), ..*run })
-        .collect()
 }
 
 /// What is driven in every mounting.

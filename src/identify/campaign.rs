@@ -112,7 +112,7 @@ impl Campaign {
     /// # Errors
     /// When a repeat cannot be identified so.
     pub fn reidentified(&self, test: &Test, machine: &Machine) -> Result<Self> {
-        let aligned = self.repeats.iter().map(|repeat| repeat.runs.clone()).collect();
+        let aligned = self.repeats.iter().map(Identification::again).collect();
         let (measured, left_out) = (Arc::clone(&self.measured), self.left_out.clone());
         Self::of_aligned(test, machine, measured, aligned, left_out, Failure::Refuse, &|| ())
     }
@@ -237,7 +237,7 @@ impl Campaign {
             .enumerate()
             .map(|(index, repeat)| {
                 let model = extended.model(test, machine, index)?;
-                identify(&model, repeat.runs.clone(), &options)
+                identify(&model, repeat.again(), &options)
             })
             .collect::<Result<Vec<_>>>()?;
         Ok(Self { repeats, ..extended })

@@ -1,7 +1,7 @@
 //! What speaks against a fit that came out all the same.
 
-use super::input::RunInput;
-use super::residuals::Record;
+use super::record::Record;
+use super::result::IdentifiedRun;
 use crate::align::Alignment;
 use crate::solve::Loss;
 use crate::solve::{self, NoiseModel};
@@ -20,15 +20,14 @@ const FAR_OFF: f64 = 10.0;
 
 /// Sentences, each with what was found and what may have caused it; none where nothing was.
 pub(super) fn cautions(
-    runs: &[RunInput],
-    records: &[Vec<Record>],
+    runs: &[IdentifiedRun],
     rms_mm: f64,
     noise: &NoiseModel,
     loss: Loss,
 ) -> Vec<String> {
     let mut cautions: Vec<String> =
         runs.iter().filter_map(|run| step(&run.name, &run.alignment)).collect();
-    let far_off = far_off(records);
+    let far_off = far_off(runs);
     if far_off > 0 && loss == Loss::Off {
         cautions.push(format!(
             "{far_off} reading(s) lie farther off than {FAR_OFF:.0} times what is usual here and pull the fit with all their weight; `loss = \"huber\"` or `\"tukey\"` in `[identify]` takes it from them"
@@ -57,8 +56,9 @@ fn step(run: &str, alignment: &Alignment) -> Option<String> {
     ))
 }
 
-fn far_off(records: &[Vec<Record>]) -> usize {
-    let used = || records.iter().flatten().filter(|r| r.used).map(|r| r.residual_mm);
+fn far_off(runs: &[IdentifiedRun]) -> usize {
+    let used =
+        || runs.iter().flat_map(IdentifiedRun::used).map(|record: &Record| record.residual_mm);
     let Some(scale) = solve::robust_scale(&mut used().collect::<Vec<_>>()) else { return 0 };
     used().filter(|residual| residual.abs() > FAR_OFF * scale).count()
 }

@@ -2,10 +2,10 @@
 
 use super::columns::Columns;
 use super::input::{Options, RunInput};
-use super::residuals::{self, Record};
+use super::record::Apart;
 use super::result::Identification;
 use super::{timing, words};
-use crate::align::{Place, TimeMap};
+use crate::align::{Place, Sample, TimeMap};
 use crate::error::{Error, Kind, Result};
 use crate::model::Model;
 use crate::solve::Loss;
@@ -38,7 +38,7 @@ const CHOOSING_STEPS: usize = 3;
 /// be told apart; when there are fewer samples than parameters; when the fit does not converge. A fit
 /// that converges and does not explain the log has [`Identification::cautions`].
 pub fn identify(model: &Model, runs: Vec<RunInput>, options: &Options) -> Result<Identification> {
-    let mut fit = Fit::new(model, runs, options);
+    let mut fit = Fit::of(model, runs, options);
     fit.check_enough()?;
     let mut steps = 0;
     let coarse = fit.coarse_legs();
@@ -72,39 +72,56 @@ pub(super) struct Outcome {
     steps: usize,
 }
 
+/// Where a fit stands.
+#[derive(Debug, Clone)]
+pub(super) struct State {
+    /// The parameters of the model, in their units.
+    pub(super) values: Vec<f64>,
+    /// Standard deviation of a reading, mm.
+    pub(super) sigma_mm: f64,
+    /// Why each sample of each run takes no part; `None` where it does.
+    pub(super) apart: Vec<Vec<Option<Apart>>>,
+    /// Robust weights, one for each sample of each run; `None` for all 1.
+    pub(super) weights: Option<Vec<Vec<f64>>>,
+}
+
+/// Runs that a model is fitted to, and where the fit stands.
 pub(super) struct Fit<'a> {
     pub(super) model: &'a Model<'a>,
     pub(super) options: &'a Options,
     pub(super) columns: Columns,
     pub(super) runs: Vec<RunInput>,
-    pub(super) values: Vec<f64>,
-    pub(super) sigma_mm: f64,
-    /// Which samples the fit uses, one flag for each sample of each run.
-    pub(super) taking_part: Vec<Vec<bool>>,
-    /// Robust weights, one for each sample of each run; `None` for all 1.
-    pub(super) weights: Option<Vec<Vec<f64>>>,
+    pub(super) state: State,
 }
 
 impl<'a> Fit<'a> {
-    /// A fit that has not begun: all parameters zero, the noise as stated, no samples chosen.
-    pub(super) fn new(model: &'a Model<'a>, runs: Vec<RunInput>, options: &'a Options) -> Self {
-        Self {
-            model,
-            options,
-            columns: Columns::new(model.parameters().len(), &runs),
-            runs,
+    /// A fit that has not begun: all parameters zero, the noise as stated.
+    pub(super) fn of(model: &'a Model<'a>, runs: Vec<RunInput>, options: &'a Options) -> Self {
+        let state = State {
             values: vec![0.0; model.parameters().len()],
             sigma_mm: options.noise_mm,
-            taking_part: Vec::new(),
+            apart: apart(&runs, timing::Detail::Full.guard_s()),
             weights: None,
-        }
+        };
+        Self::at(model, runs, options, state)
+    }
+
+    /// A fit that stands somewhere.
+    pub(super) fn at(
+        model: &'a Model<'a>,
+        runs: Vec<RunInput>,
+        options: &'a Options,
+        state: State,
+    ) -> Self {
+        let columns = Columns::new(model.parameters().len(), &runs);
+        Self { model, options, columns, runs, state }
     }
 
     fn check_enough(&self) -> Result<()> {
         let samples: usize = self
             .runs
             .iter()
-            .flat_map(|run| &run.alignment.samples)
+            .flat_map(RunInput::samples)
             .filter(|s| matches!(s.place, Place::Arc(_)))
             .count();
         if samples > 2 * self.columns.total {
@@ -127,34 +144,34 @@ impl<'a> Fit<'a> {
 
     fn find_facets(&mut self) {
         for run in &mut self.runs {
-            timing::find_facets(self.model, &self.values, run);
-            run.alignment.place_samples();
+            timing::find_facets(self.model, &self.state.values, run);
+            run.place();
         }
     }
 
     /// Fits again with every doubtful leg where else it could lie, and keeps what fits better.
     fn try_elsewhere(&mut self, mut best: Outcome) -> Outcome {
         for index in 0..self.runs.len() {
-            let doubts = timing::doubts(self.model, &self.values, &self.runs[index]);
+            let doubts = timing::doubts(self.model, &self.state.values, &self.runs[index]);
             for doubt in doubts {
                 for shift_s in doubt.shifts_s.into_iter().take(MOST_PLACES) {
-                    let kept = (self.values.clone(), self.sigma_mm, self.taking_part.clone());
+                    let kept = self.state.clone();
                     let maps: Vec<TimeMap> =
                         self.runs.iter().map(|run| run.alignment.time_map.clone()).collect();
-                    let alignment = &mut self.runs[index].alignment;
-                    alignment.time_map.offsets_s[doubt.leg] -= shift_s;
-                    alignment.place_samples();
+                    let run = &mut self.runs[index];
+                    run.alignment.time_map.offsets_s[doubt.leg] -= shift_s;
+                    run.place();
                     match self.iterate(timing::Detail::Full) {
-                        Ok(outcome) if self.sigma_mm < BETTER * kept.1 => {
+                        Ok(outcome) if self.state.sigma_mm < BETTER * kept.sigma_mm => {
                             best = outcome;
                             break;
                         }
                         _ => {}
                     }
-                    (self.values, self.sigma_mm, self.taking_part) = kept;
+                    self.state = kept;
                     for (run, map) in self.runs.iter_mut().zip(maps) {
                         run.alignment.time_map = map;
-                        run.alignment.place_samples();
+                        run.place();
                     }
                 }
             }
@@ -168,7 +185,7 @@ impl<'a> Fit<'a> {
             // Chosen while the times still move, then held: a sample that comes and goes at a reversal
             // would keep the fit from settling.
             if steps <= CHOOSING_STEPS {
-                self.taking_part = residuals::taking_part(&self.runs, detail.guard_s());
+                self.state.apart = apart(&self.runs, detail.guard_s());
             }
             let triangle = self.factor(detail)?;
             let floor = self.floor(triangle.rows());
@@ -183,21 +200,22 @@ impl<'a> Fit<'a> {
             let rows = triangle.rows() as f64;
             // Rows are in units of the assumed noise: their rms corrects it.
             let scatter = solution.residual_norm() / rows.sqrt();
-            let settled = steps > CHOOSING_STEPS
-                || self.taking_part == residuals::taking_part(&self.runs, detail.guard_s());
+            let settled =
+                steps > CHOOSING_STEPS || self.state.apart == apart(&self.runs, detail.guard_s());
             if settled && change / rows.sqrt() < NEGLIGIBLE * scatter.max(1e-12) {
-                self.sigma_mm *= scatter;
+                self.state.sigma_mm *= scatter;
                 return Ok(Outcome { solution, steps });
             }
             // The smooth fit only has to come near, and a fit that still moves by a little of the noise is
             // a result.
             let near = detail == timing::Detail::Smooth || change / rows.sqrt() < NEARLY * scatter;
             if steps == MOST_STEPS && near {
-                self.sigma_mm *= scatter;
+                self.state.sigma_mm *= scatter;
                 return Ok(Outcome { solution, steps });
             }
             if steps <= 2 {
-                self.sigma_mm = (self.sigma_mm * scatter).max(1e-3 * self.options.noise_mm);
+                self.state.sigma_mm =
+                    (self.state.sigma_mm * scatter).max(1e-3 * self.options.noise_mm);
             }
         }
         Err(Error::new(
@@ -210,8 +228,8 @@ impl<'a> Fit<'a> {
     }
 
     /// Change of the predicted length with program time at a sample, mm/s.
-    pub(super) fn speed_mm_s(&self, run: &RunInput, sample: &crate::align::Sample) -> f64 {
-        timing::view(self.model, &self.values, run, sample, timing::Detail::Full).speed_mm_s
+    pub(super) fn speed_mm_s(&self, run: &RunInput, sample: &Sample) -> f64 {
+        timing::view(self.model, &self.state.values, run, sample, timing::Detail::Full).speed_mm_s
     }
 
     pub(super) fn spectrum(&self, triangle: &Triangle) -> Result<Spectrum> {
@@ -227,13 +245,13 @@ impl<'a> Fit<'a> {
     /// times, and how well the times are known on which samples take part.
     pub(super) fn foresee_times(&mut self) -> Result<()> {
         for _ in 0..2 {
-            self.taking_part = residuals::taking_part(&self.runs, timing::Detail::Full.guard_s());
+            self.state.apart = apart(&self.runs, timing::Detail::Full.guard_s());
             let triangle = self.triangle()?;
             let floor = Truncation::Effect(self.floor(triangle.rows()));
             let covariance = self.spectrum(&triangle)?.solve(floor).covariance_unscaled();
             self.state_times(&covariance);
         }
-        self.taking_part = residuals::taking_part(&self.runs, timing::Detail::Full.guard_s());
+        self.state.apart = apart(&self.runs, timing::Detail::Full.guard_s());
         Ok(())
     }
 
@@ -241,7 +259,7 @@ impl<'a> Fit<'a> {
     pub(super) fn state_times(&mut self, covariance: &Matrix) {
         for (index, run) in self.runs.iter_mut().enumerate() {
             self.columns.state_uncertainty(index, &mut run.alignment.time_map, covariance);
-            run.alignment.place_samples();
+            run.place();
         }
     }
 
@@ -272,28 +290,22 @@ impl<'a> Fit<'a> {
         let mut rows = Tsqr::new(self.columns.total);
         let mut row = vec![0.0; self.columns.total];
         for (index, run) in self.runs.iter().enumerate() {
-            let stride = timing::stride(detail, run.alignment.samples.len());
-            for (k, sample) in run.alignment.samples.iter().enumerate().step_by(stride) {
-                if !self.taking_part[index][k] {
+            let stride = timing::stride(detail, run.samples().len());
+            for (k, sample) in run.samples().iter().enumerate().step_by(stride) {
+                if self.state.apart[index][k].is_some() {
                     continue;
                 }
-                let weight = self.weights.as_ref().map_or(1.0, |weights| weights[index][k]);
-                let view = timing::view(self.model, &self.values, run, sample, detail);
+                let weight = self.weight(index, k);
+                let view = timing::view(self.model, &self.state.values, run, sample, detail);
                 self.fill_row(&mut row, index, sample, view.speed_mm_s);
-                rows.push_weighted(&row, view.residual_mm, weight.sqrt() / self.sigma_mm);
+                rows.push_weighted(&row, view.residual_mm, weight.sqrt() / self.state.sigma_mm);
             }
             self.push_time(&mut rows, &mut row, index, run);
         }
         rows.finish()
     }
 
-    pub(super) fn fill_row(
-        &self,
-        row: &mut [f64],
-        index: usize,
-        sample: &crate::align::Sample,
-        speed_mm_s: f64,
-    ) {
+    pub(super) fn fill_row(&self, row: &mut [f64], index: usize, sample: &Sample, speed_mm_s: f64) {
         row.fill(0.0);
         let run = &self.runs[index];
         let situation = self.model.situation(&sample.pose, &sample.motion, run.mounting);
@@ -337,7 +349,7 @@ impl<'a> Fit<'a> {
     /// Takes a step in coefficients and time maps.
     fn apply(&mut self, step: &[f64], time_share: f64, solution: &Solution) {
         let covariance = solution.covariance_unscaled();
-        for (value, change) in self.values.iter_mut().zip(step) {
+        for (value, change) in self.state.values.iter_mut().zip(step) {
             *value += change;
         }
         for (index, run) in self.runs.iter_mut().enumerate() {
@@ -349,7 +361,7 @@ impl<'a> Fit<'a> {
                 map.offsets_s[leg] += time_share * step[first + k].clamp(-3.0, 3.0);
             }
             self.columns.state_uncertainty(index, map, &covariance);
-            run.alignment.place_samples();
+            run.place();
         }
     }
 
@@ -386,24 +398,43 @@ impl<'a> Fit<'a> {
         if loss == Loss::Off {
             return;
         }
-        let records = self.records();
-        let mut used: Vec<f64> =
-            records.iter().flatten().filter(|r| r.used).map(|r| r.residual_mm).collect();
-        let Some(scale) = solve::robust_scale(&mut used) else { return };
-        let weigh = |record: &Record| loss.weight(record.residual_mm / scale);
-        self.weights = Some(records.iter().map(|run| run.iter().map(weigh).collect()).collect());
-        self.sigma_mm = scale;
+        let left_mm = self.left_mm();
+        let apart = self.state.apart.iter().flatten();
+        let used = left_mm.iter().flatten().zip(apart).filter(|(_, apart)| apart.is_none());
+        let Some(scale) = solve::robust_scale(&mut used.map(|(left, _)| *left).collect::<Vec<_>>())
+        else {
+            return;
+        };
+        let weigh = |left_mm: &f64| loss.weight(left_mm / scale);
+        self.state.weights =
+            Some(left_mm.iter().map(|run| run.iter().map(weigh).collect()).collect());
+        self.state.sigma_mm = scale;
     }
 
-    pub(super) fn records(&self) -> Vec<Vec<Record>> {
-        self.runs
-            .iter()
-            .enumerate()
-            .map(|(index, run)| {
-                let weights = self.weights.as_ref().map(|weights| weights[index].as_slice());
-                let used = &self.taking_part[index];
-                residuals::records(self.model, &self.values, run, used, weights)
-            })
-            .collect()
+    /// Observed minus computed at every sample of every run, mm.
+    pub(super) fn left_mm(&self) -> Vec<Vec<f64>> {
+        let of =
+            |run: &RunInput, sample: &Sample| sample.deviation_mm - self.computed_mm(run, sample);
+        self.runs.iter().map(|run| run.samples().iter().map(|s| of(run, s)).collect()).collect()
     }
+
+    /// The deviation that the model computes at a sample, mm.
+    pub(super) fn computed_mm(&self, run: &RunInput, sample: &Sample) -> f64 {
+        let values = &self.state.values;
+        self.model.length_mm(values, &sample.pose, &sample.motion, run.mounting) - run.nominal_mm
+    }
+
+    /// Weight of a sample, 0 to 1.
+    pub(super) fn weight(&self, run: usize, sample: usize) -> f64 {
+        self.state.weights.as_ref().map_or(1.0, |weights| weights[run][sample])
+    }
+}
+
+/// Why each sample of each run takes no part; `guard_s` is kept from every reversal at the least.
+fn apart(runs: &[RunInput], guard_s: f64) -> Vec<Vec<Option<Apart>>> {
+    let of_run = |run: &RunInput| {
+        let reversals_s = run.alignment.trajectory.reversals_s();
+        run.samples().iter().map(|sample| Apart::of(sample, &reversals_s, guard_s)).collect()
+    };
+    runs.iter().map(of_run).collect()
 }

@@ -1,6 +1,6 @@
 //! What an identification is given: runs, and how to take them.
 
-use crate::align::Alignment;
+use crate::align::{Alignment, Sample};
 use crate::plan::Test;
 use crate::solve::Loss;
 
@@ -40,4 +40,24 @@ pub struct RunInput {
     pub nominal_mm: f64,
     /// The aligned log.
     pub alignment: Alignment,
+    /// Its samples, where the time map of the alignment lays them.
+    samples: Vec<Sample>,
+}
+
+impl RunInput {
+    /// A run with its samples where its alignment lays them.
+    pub fn new(name: String, mounting: usize, nominal_mm: f64, alignment: Alignment) -> Self {
+        let samples = alignment.samples();
+        Self { name, mounting, nominal_mm, alignment, samples }
+    }
+
+    /// Its samples, in order.
+    pub fn samples(&self) -> &[Sample] {
+        &self.samples
+    }
+
+    /// Lays the samples anew, after the time map has changed.
+    pub(super) fn place(&mut self) {
+        self.samples = self.alignment.samples();
+    }
 }

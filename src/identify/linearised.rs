@@ -8,32 +8,30 @@
 //!
 //! and changes the parameters of the fit by `- F Q^T c` per unit, `F = D^-1 V_r S_r^-1`.
 
-use super::fit::Fit;
+use super::fit::{Fit, State};
 use super::input::Options;
-use super::residuals::Record;
-use super::result::Identification;
-use crate::align::{Place, Sample};
+use super::record::{Apart, Record};
+use super::result::{Identification, IdentifiedRun};
+use crate::align::Place;
 use crate::error::Result;
 use crate::model::{Model, Situation};
 use crate::solve::{Basis, Matrix, Truncation};
 
-/// A sample that the fit used.
+/// A reading that the fit used.
 #[derive(Debug, Clone)]
 pub struct LinearSample {
     /// Index of its run.
     pub run: usize,
-    /// Index of its sample in the run.
-    pub sample: usize,
-    /// Index of the section of the program that it lies on.
+    /// Number of its arc, counted over the runs: what is left out together.
+    pub arc: usize,
+    /// Index of the section of its program that it lies on.
     pub section: usize,
-    /// Program time, s.
-    pub program_s: f64,
+    /// What was observed and computed, and when.
+    pub record: Record,
     /// Where it was taken.
     pub situation: Situation,
     /// Root of its weight, 0 to 1.
     pub root_weight: f64,
-    /// Measured minus predicted, mm, not weighed.
-    pub residual_mm: f64,
 }
 
 /// A settled fit as a linear problem.
@@ -47,6 +45,18 @@ pub struct Linearised {
     pub factor: Matrix,
 }
 
+impl LinearSample {
+    /// Time since the program began, s, on the machine's clock.
+    pub fn elapsed_s(&self) -> f64 {
+        self.situation.motion.elapsed_s
+    }
+
+    /// Time in the program, s.
+    pub fn program_s(&self) -> f64 {
+        self.record.sample.program_s
+    }
+}
+
 impl Identification {
     /// The fit that came out, as a linear problem; of long logs every so many samples, so that no run
     /// has more than `most`.
@@ -54,23 +64,34 @@ impl Identification {
     /// # Errors
     /// When the fit's rows are not finite.
     pub fn linearised(&self, model: &Model, options: &Options, most: usize) -> Result<Linearised> {
-        let mut fit = Fit::new(model, self.runs.clone(), options);
-        fit.values = self.values();
-        fit.sigma_mm = self.rms_mm.max(1e-9);
         // By the times as they settled, a sample that the fit used may lie just beyond the end of its arc.
-        let on_arc = |sample: &Sample| matches!(sample.place, Place::Arc(_));
-        fit.taking_part = self
-            .runs
-            .iter()
-            .zip(&self.records)
-            .map(|(run, records)| {
-                let stride = records.len().div_ceil(most.max(1)).max(1);
-                let pairs = run.alignment.samples.iter().zip(records).enumerate();
-                pairs.map(|(k, (s, r))| r.used && on_arc(s) && k % stride == 0).collect()
+        let part = |record: &Record| {
+            record.apart.or(match record.sample.place {
+                Place::Arc(_) => None,
+                _ => Some(Apart::Ramp),
             })
-            .collect();
-        let weight = |run: &Vec<Record>| run.iter().map(|r| r.weight).collect();
-        fit.weights = Some(self.records.iter().map(weight).collect());
+        };
+        let kept = |run: &IdentifiedRun| {
+            let stride = run.records.len().div_ceil(most.max(1)).max(1);
+            let records = run.records.iter().enumerate();
+            records
+                .map(
+                    |(k, record)| if k % stride == 0 { part(record) } else { Some(Apart::Thinned) },
+                )
+                .collect()
+        };
+        let state = State {
+            values: self.values(),
+            sigma_mm: self.rms_mm.max(1e-9),
+            apart: self.runs.iter().map(kept).collect(),
+            weights: Some(
+                self.runs
+                    .iter()
+                    .map(|run| run.records.iter().map(|r| r.weight).collect())
+                    .collect(),
+            ),
+        };
+        let fit = Fit::at(model, self.again(), options, state);
         let triangle = fit.triangle()?;
         let spectrum = fit.spectrum(&triangle)?;
         let rank = spectrum.retained(Truncation::Effect(fit.floor(triangle.rows())));
@@ -83,20 +104,27 @@ impl Identification {
         let mut samples = Vec::new();
         let mut q = Vec::new();
         let mut row = vec![0.0; fit.columns.total];
-        for (index, run) in fit.runs.iter().enumerate() {
-            for (k, sample) in run.alignment.samples.iter().enumerate() {
-                let (true, Place::Arc(section)) = (fit.taking_part[index][k], sample.place) else {
+        // Run and section of the arc before.
+        let mut last = None;
+        let mut arcs = 0;
+        for (index, run) in self.runs.iter().enumerate() {
+            for (k, record) in run.records.iter().enumerate() {
+                let (None, Place::Arc(section)) = (fit.state.apart[index][k], record.sample.place)
+                else {
                     continue;
                 };
-                let record = &self.records[index][k];
-                let speed_mm_s = fit.speed_mm_s(run, sample);
+                if last.replace((index, section)) != Some((index, section)) {
+                    arcs += 1;
+                }
+                let sample = &record.sample;
+                let speed_mm_s = fit.speed_mm_s(&fit.runs[index], sample);
                 fit.fill_row(&mut row, index, sample, speed_mm_s);
                 let root_weight = record.weight.sqrt();
                 let first = q.len();
                 q.resize(first + rank, 0.0);
                 let out = &mut q[first..];
                 for (column, value) in row.iter().enumerate() {
-                    let value = value * root_weight / fit.sigma_mm;
+                    let value = value * root_weight / fit.state.sigma_mm;
                     if value != 0.0 {
                         for (q, f) in out.iter_mut().zip(factor.row(column)) {
                             *q += value * f;
@@ -105,16 +133,15 @@ impl Identification {
                 }
                 samples.push(LinearSample {
                     run: index,
-                    sample: k,
+                    arc: arcs - 1,
                     section,
-                    program_s: sample.program_s,
+                    record: *record,
                     situation: model.situation(&sample.pose, &sample.motion, run.mounting),
                     root_weight,
-                    residual_mm: record.residual_mm,
                 });
             }
         }
-        let sigma_mm = fit.sigma_mm;
+        let sigma_mm = fit.state.sigma_mm;
         let factor =
             Matrix::from_fn(fit.columns.coefficients, rank, |k, i| factor[(k, i)] / sigma_mm);
         Ok(Linearised { samples, basis: Basis::new(rank, q), factor })

@@ -62,11 +62,6 @@ impl MeasuredRun {
             rig: align::Rig { machine, mounting: &mounting.mounting, bar: &bar },
             feed_override: self.feed_override,
         })?;
-        Ok(RunInput {
-            name: self.name.clone(),
-            mounting: self.mounting,
-            nominal_mm: bar.length_mm,
-            alignment,
-        })
+        Ok(RunInput::new(self.name.clone(), self.mounting, bar.length_mm, alignment))
     }
 }

@@ -58,9 +58,7 @@ pub fn rehearse(
         }
     }
     map.rate = 0.0;
-    alignment.place_samples();
-    let nominal_mm = bar.length_mm;
-    Ok(RunInput { name: named.name.clone(), mounting: index, nominal_mm, alignment })
+    Ok(RunInput::new(named.name.clone(), index, bar.length_mm, alignment))
 }
 
 /// The noise that a test file states: white, correlated (`correlated² · exp(-t / correlation)`), and the
@@ -126,17 +124,16 @@ pub fn predict(
     let spectrum = fit.spectrum(&triangle)?;
     let floor = fit.floor(triangle.rows());
     let solution = spectrum.solve(Truncation::Effect(floor));
-    let records = fit.records();
-    let covariance = solution.covariance_sandwich(&fit.filtered(&records, noise)?);
+    let covariance = solution.covariance_sandwich(&fit.filtered(noise)?);
     fit.state_times(&covariance);
     let sigmas = solve::standard_deviations(&covariance);
     let count = fit.columns.coefficients;
     let lost = fit.columns.total - solution.rank();
     let used = || {
-        let samples = fit.runs.iter().zip(&fit.taking_part);
+        let samples = fit.runs.iter().zip(&fit.state.apart);
         samples
-            .flat_map(|(run, part)| run.alignment.samples.iter().zip(part))
-            .filter(|(_, part)| **part)
+            .flat_map(|(run, apart)| run.samples().iter().zip(apart))
+            .filter(|(_, apart)| apart.is_none())
     };
     let mut null_directions = solution.spectrum().null_directions(solution.rank(), 0.02);
     null_directions.sort_by_key(|direction| direction.parts.first().map(|part| part.0));
@@ -178,7 +175,7 @@ pub fn predict_with_prior(
     rows.push_triangle(&prior);
     // The priors leave no direction undetermined but times that no sample hangs on.
     let solution = fit.spectrum(&rows.finish()?)?.solve(Truncation::Relative(f64::EPSILON));
-    let filtered = fit.filtered(&fit.records(), noise)?;
+    let filtered = fit.filtered(noise)?;
     let count = fit.columns.coefficients;
     Ok([filtered, prior].map(|middle| {
         let covariance = solution.covariance_sandwich(&middle);
@@ -192,9 +189,8 @@ pub(super) fn rehearsed_fit<'a>(
     options: &'a Options,
     noise: &NoiseModel,
 ) -> Result<Fit<'a>> {
-    let on_arcs = |run: &RunInput| {
-        run.alignment.samples.iter().any(|sample| matches!(sample.place, Place::Arc(_)))
-    };
+    let on_arcs =
+        |run: &RunInput| run.samples().iter().any(|sample| matches!(sample.place, Place::Arc(_)));
     if let Some(run) = runs.iter().find(|run| !on_arcs(run)) {
         return Err(Error::new(
             Kind::Undetermined,
@@ -202,8 +198,8 @@ pub(super) fn rehearsed_fit<'a>(
         )
         .hint("a program must drive the sphere with the bar in its range"));
     }
-    let mut fit = Fit::new(model, runs, options);
-    fit.sigma_mm = noise.sigma();
+    let mut fit = Fit::of(model, runs, options);
+    fit.state.sigma_mm = noise.sigma();
     fit.foresee_times()?;
     Ok(fit)
 }

@@ -1,7 +1,8 @@
 //! What an identification says.
 
 use super::input::RunInput;
-use super::residuals::Record;
+use super::record::Record;
+use crate::align::Alignment;
 use crate::model::Parameter;
 use crate::solve::{Matrix, NoiseModel, NullDirection};
 
@@ -16,6 +17,33 @@ pub struct Estimate {
     pub sigma: f64,
     /// How much of it the data determine: 1 all, 0 nothing, between: only together with others.
     pub observed: f64,
+}
+
+/// A run that took part.
+#[derive(Debug, Clone)]
+pub struct IdentifiedRun {
+    /// Its name.
+    pub name: String,
+    /// Index of its mounting in the model.
+    pub mounting: usize,
+    /// Nominal length of the bar that was used, mm.
+    pub nominal_mm: f64,
+    /// The aligned log, its time map refined.
+    pub alignment: Alignment,
+    /// Its readings, in order.
+    pub records: Vec<Record>,
+}
+
+impl IdentifiedRun {
+    /// The same run, to be identified otherwise.
+    pub fn again(&self) -> RunInput {
+        RunInput::new(self.name.clone(), self.mounting, self.nominal_mm, self.alignment.clone())
+    }
+
+    /// The readings that took part.
+    pub fn used(&self) -> impl Iterator<Item = &Record> + Clone {
+        self.records.iter().filter(|record| record.used())
+    }
 }
 
 /// What came out.
@@ -34,9 +62,7 @@ pub struct Identification {
     /// The noise.
     pub noise: NoiseModel,
     /// The runs, their time maps refined.
-    pub runs: Vec<RunInput>,
-    /// One record for each sample of each run, in order.
-    pub records: Vec<Vec<Record>>,
+    pub runs: Vec<IdentifiedRun>,
     /// Root mean square of the residuals of the samples that were used, mm.
     pub rms_mm: f64,
     /// Samples that were used.
@@ -48,6 +74,11 @@ pub struct Identification {
 }
 
 impl Identification {
+    /// The same runs, to be identified otherwise.
+    pub fn again(&self) -> Vec<RunInput> {
+        self.runs.iter().map(IdentifiedRun::again).collect()
+    }
+
     /// The estimated values in the order of the model.
     pub fn values(&self) -> Vec<f64> {
         self.estimates.iter().map(|estimate| estimate.value).collect()

@@ -103,7 +103,7 @@ pub(super) fn view(
 /// Chords that rounding does not tell apart leave several peaks a chord apart; what lies outside the
 /// highest one becomes the offset's ambiguity.
 pub(super) fn find_facets(model: &Model, values: &[f64], run: &mut RunInput) {
-    let stride = stride(Detail::Smooth, run.alignment.samples.len());
+    let stride = stride(Detail::Smooth, run.samples().len());
     for leg in run.alignment.legs() {
         let sigma_s = run.alignment.time_map.offset_sigmas_s[leg];
         if sigma_s < 0.1 * FACET_S {
@@ -154,9 +154,9 @@ pub(super) struct Doubt {
 /// The coefficients have adapted to a wrong leg as well as they could, so a better place need not look
 /// better before they are fitted again: the caller tries each.
 pub(super) fn doubts(model: &Model, values: &[f64], run: &RunInput) -> Vec<Doubt> {
-    let stride = stride(Detail::Smooth, run.alignment.samples.len());
+    let stride = stride(Detail::Smooth, run.samples().len());
     let misfit = |leg: usize, shift_s: f64| {
-        let of_leg = run.alignment.samples.iter().step_by(stride);
+        let of_leg = run.samples().iter().step_by(stride);
         let of_leg = of_leg.filter(|s| s.leg == leg && matches!(s.place, Place::Arc(_)));
         let (mut sum, mut count) = (0.0, 0.0_f64);
         for sample in of_leg {
@@ -235,8 +235,7 @@ impl<'a> Held<'a> {
         stride: usize,
     ) -> Self {
         let readings = run
-            .alignment
-            .samples
+            .samples()
             .iter()
             .step_by(stride)
             .filter(|s| s.leg == leg && matches!(s.place, Place::Arc(_)))

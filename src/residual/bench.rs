@@ -8,6 +8,8 @@ use rand_pcg::Pcg64Mcg;
 use super::column::Column;
 use super::element::Element;
 use super::residuals::{Repeat, Residuals, Run, Sample};
+use crate::align;
+use crate::identify::Record;
 use crate::machine::{Machine, Mounting, Pose};
 use crate::model::{Effect, Motion, Shape, Situation};
 use crate::solve::{Basis, Matrix};
@@ -103,12 +105,28 @@ fn samples(machine: &Machine, mounting: &Mounting, arc: usize, forward: bool) ->
             run: 0,
             arc,
             section: usize::from(!forward),
-            program_s: motion.elapsed_s,
+            record: record(pose, motion, usize::from(!forward)),
             situation: Situation { motion, ..situation },
             root_weight: 1.0,
         }
     };
     (0..count).map(at).collect()
+}
+
+/// A reading that the fit used, of which nothing is left.
+fn record(pose: Pose, motion: Motion, section: usize) -> Record {
+    let sample = align::Sample {
+        log_s: motion.elapsed_s,
+        line: 1,
+        program_s: motion.elapsed_s,
+        time_sigma_s: 0.0,
+        deviation_mm: 0.0,
+        pose,
+        motion,
+        place: align::Place::Arc(section),
+        leg: 0,
+    };
+    Record { sample, computed_mm: 0.0, residual_mm: 0.0, whitened: None, weight: 1.0, apart: None }
 }
 
 /// Rows of orthonormal columns that span these; what depends on others is dropped.

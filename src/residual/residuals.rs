@@ -8,7 +8,6 @@ use super::column::Column;
 use crate::error::Result;
 use crate::identify::{Campaign, Identification, LinearSample, Linearised, Options};
 use crate::machine::Machine;
-use crate::model::Situation;
 use crate::plan::Test;
 use crate::solve::{Basis, Matrix, dot};
 
@@ -17,22 +16,8 @@ const MOST: usize = 12_000;
 /// Programs whose durations differ by less than this share are one.
 const SAME_DURATION: f64 = 1e-6;
 
-/// A sample that a fit used.
-#[derive(Debug, Clone)]
-pub struct Sample {
-    /// Index of its run in the repeat.
-    pub run: usize,
-    /// Number of its arc, counted over all runs of all repeats: what is left out together.
-    pub arc: usize,
-    /// Index of the section of the program that it lies on.
-    pub section: usize,
-    /// Program time, s.
-    pub program_s: f64,
-    /// Where it was taken, and how the machine moved there.
-    pub situation: Situation,
-    /// Root of its weight in the fit, 0 to 1.
-    pub root_weight: f64,
-}
+/// A reading that a fit used; its arc is counted over all runs of all repeats.
+pub type Sample = LinearSample;
 
 /// One run of a repeat.
 #[derive(Debug, Clone)]
@@ -102,7 +87,7 @@ impl Residuals {
         let mut programs = Vec::new();
         let (mut repeats, mut model_mm) = (Vec::new(), Vec::new());
         for (identified, linear) in campaign.repeats.iter().zip(linear) {
-            let weighed = linear.samples.iter().map(|s| s.residual_mm * s.root_weight);
+            let weighed = linear.samples.iter().map(|s| s.record.residual_mm * s.root_weight);
             model_mm.push(weighed.collect());
             repeats.push(Repeat::of(identified, linear, &mut arcs, &mut programs));
         }
@@ -173,13 +158,6 @@ impl Residuals {
     }
 }
 
-impl Sample {
-    /// Time since the program began, s, on the machine's clock.
-    pub fn elapsed_s(&self) -> f64 {
-        self.situation.motion.elapsed_s
-    }
-}
-
 impl Repeat {
     /// Counts its arcs and its programs on from those of the repeats before.
     fn of(
@@ -188,18 +166,11 @@ impl Repeat {
         arcs: &mut usize,
         programs: &mut Vec<Driven>,
     ) -> Self {
-        let mut last = None;
-        let mut samples = Vec::with_capacity(linear.samples.len());
-        for sample in linear.samples {
-            let now = Some((sample.run, sample.section));
-            if now != last {
-                *arcs += 1;
-                last = now;
-            }
-            let LinearSample { run, section, program_s, situation, root_weight, .. } = sample;
-            let arc = *arcs - 1;
-            samples.push(Sample { run, arc, section, program_s, situation, root_weight });
+        let mut samples = linear.samples;
+        for sample in &mut samples {
+            sample.arc += *arcs;
         }
+        *arcs = samples.last().map_or(*arcs, |sample| sample.arc + 1);
         let runs = identified.runs.iter().enumerate().map(|(index, run)| {
             let trajectory = &run.alignment.trajectory;
             let this = Driven(run.mounting, trajectory.end_s(), trajectory.blocks().len());

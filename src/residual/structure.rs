@@ -125,20 +125,20 @@ impl Driven<'_> {
         let samples = &other.repeat.samples[range.clone()];
         let values = &other.left_mm[range];
         let (Some(first), Some(last)) = (samples.first(), samples.last()) else { return };
-        let longest_s = GAP_PERIODS * (last.program_s - first.program_s) / samples.len() as f64;
+        let longest_s = GAP_PERIODS * (last.program_s() - first.program_s()) / samples.len() as f64;
         let mut after = 0;
         for k in self.run.samples.clone() {
             let sample = &self.repeat.samples[k];
-            let time_s = sample.program_s;
-            while after < samples.len() && samples[after].program_s < time_s {
+            let time_s = sample.program_s();
+            while after < samples.len() && samples[after].program_s() < time_s {
                 after += 1;
             }
             if after == 0 || after == samples.len() || samples[after].arc != samples[after - 1].arc
             {
                 continue;
             }
-            let before_s = samples[after - 1].program_s;
-            let step_s = samples[after].program_s - before_s;
+            let before_s = samples[after - 1].program_s();
+            let step_s = samples[after].program_s() - before_s;
             if step_s > longest_s {
                 continue;
             }

@@ -86,6 +86,7 @@ mod svd;
 mod triangle;
 mod tsqr;
 mod vector;
+mod whiten;
 
 pub use backward_filter::BackwardFilter;
 pub use basis::Basis;

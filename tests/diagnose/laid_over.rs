@@ -57,7 +57,7 @@ fn with(effect: impl Fn(&Seen) -> f64) -> Diagnosis {
         let file = std::fs::File::open(data().join(&name)).unwrap();
         flate2::read::GzDecoder::new(file).read_to_string(&mut log).unwrap();
         let mut added = vec![0.0; log.lines().count() + 1];
-        for sample in &input.alignment.samples {
+        for sample in input.records.iter().map(|record| &record.sample) {
             let ball_mm = sample.pose.position_mm - input.alignment.coincidence_mm();
             let u = (ball_mm / ball_mm.norm()).into();
             added[sample.line] = effect(&Seen { sample, run, u });

@@ -67,12 +67,8 @@ impl Set {
 
     /// A run of this set with an alignment.
     pub(crate) fn input(&self, run: &Run, alignment: Alignment) -> RunInput {
-        RunInput {
-            name: run.name.clone(),
-            mounting: run.mounting,
-            nominal_mm: self.test.bar_of(run.mounting).length_mm,
-            alignment,
-        }
+        let nominal_mm = self.test.bar_of(run.mounting).length_mm;
+        RunInput::new(run.name.clone(), run.mounting, nominal_mm, alignment)
     }
 
     pub(crate) fn model(&self) -> Model<'_> {

@@ -12,7 +12,7 @@ fn bits() -> String {
         let found = set.identify(vec![set.run(run)]).unwrap();
         numbers.extend(found.estimates.iter().flat_map(|e| [e.value, e.sigma, e.observed]));
         numbers.push(found.condition);
-        numbers.extend(found.records[0].iter().map(|record| record.residual_mm));
+        numbers.extend(found.runs[0].records.iter().map(|record| record.residual_mm));
         let map = &found.runs[0].alignment.time_map;
         numbers.extend([map.rate, map.rate_sigma]);
         numbers.extend(map.offsets_s.iter().chain(&map.offset_sigmas_s));

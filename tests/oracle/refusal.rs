@@ -185,8 +185,7 @@ fn readings_far_off_are_said() {
     });
     let found = accepted("spikes", spikes);
     // Those in dwells and at reversals are not used anyhow.
-    let samples = found.runs[0].alignment.samples.iter().zip(&found.records[0]);
-    let used = samples.filter(|(s, record)| record.used && s.deviation_mm > 0.3).count();
+    let used = found.runs[0].used().filter(|record| record.sample.deviation_mm > 0.3).count();
     assert!(used >= 5);
     let said = format!("{used} reading(s)");
     assert!(found.cautions.iter().any(|c| c.starts_with(&said) && c.contains("huber")));

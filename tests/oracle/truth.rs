@@ -20,8 +20,8 @@ struct Scored {
 }
 
 fn on_arcs(identification: &Identification) -> impl Iterator<Item = &Sample> {
-    let samples = &identification.runs[0].alignment.samples;
-    samples.iter().filter(|sample| matches!(sample.place, Place::Arc(_)))
+    let samples = identification.runs[0].records.iter().map(|record| &record.sample);
+    samples.filter(|sample| matches!(sample.place, Place::Arc(_)))
 }
 
 /// Program time found minus program time put in, s, without the approach.
@@ -200,16 +200,16 @@ fn planes(what: &str, edit: impl Fn(Program) -> Program) -> Planes {
     let true_values: Vec<f64> =
         model.parameters().iter().map(|p| truth.coefficient(&p.name)).collect();
     let mut off_um = Vec::new();
-    for (run, records) in found.runs.iter().zip(&found.records) {
+    for run in &found.runs {
         let length_mm =
             |values: &[f64], s: &Sample| model.length_mm(values, &s.pose, &s.motion, run.mounting);
-        let used = run.alignment.samples.iter().zip(records).filter(|(_, record)| record.used);
+        let used = run.used().map(|record| &record.sample);
         let of_run: Vec<f64> =
-            used.map(|(s, _)| 1e3 * (length_mm(&values, s) - length_mm(&true_values, s))).collect();
+            used.map(|s| 1e3 * (length_mm(&values, s) - length_mm(&true_values, s))).collect();
         println!(
             "{what} {}: residual {:.4} um; predicted minus true: mean {:.4}, rms {:.4} um",
             run.name,
-            1e3 * ballbar::identify::rms_mm(records),
+            1e3 * ballbar::identify::rms_mm(run),
             mean(&of_run),
             rms(&of_run)
         );

@@ -398,7 +398,7 @@ mod tests {
             let all = repeat.samples;
             assert_eq!(
                 all.used + all.rejected + all.not_used,
-                fixture.identifications[repeat.repeat as usize - 1].records[0].len()
+                fixture.identifications[repeat.repeat as usize - 1].runs[0].records.len()
             );
         }
         assert_eq!(analysis.machine_errors.squareness.len(), 3);

@@ -8,7 +8,7 @@ use super::facts::{
 use super::machine_errors::MachineErrors;
 use super::{cautions, means};
 use crate::align::{Mark, MarkKind, TimeMap};
-use crate::identify::{self, Estimate, Identification, Record, RunInput};
+use crate::identify::{self, Estimate, Identification, IdentifiedRun, Record};
 use crate::machine::{Axis, Machine, Pivot};
 use crate::model::Parameter;
 use crate::plan::{BallBar, Run, Test};
@@ -127,11 +127,10 @@ fn repeat(index: usize, from: &Identification, stated: &mut StatedRuns<'_>) -> R
     let runs: Vec<RunResult> = from
         .runs
         .iter()
-        .zip(&from.records)
-        .map(|(run, records)| {
+        .map(|run| {
             let of_file = stated.take(&run.name);
             number = number.or(of_file.map(|run| run.repeat));
-            run_result(run, records, of_file, stated.mounting(run.mounting))
+            run_result(run, of_file, stated.mounting(run.mounting))
         })
         .collect();
     RepeatResult {
@@ -154,8 +153,8 @@ fn repeat(index: usize, from: &Identification, stated: &mut StatedRuns<'_>) -> R
             effective_samples: finite(from.noise.effective_samples(from.used)),
         },
         residual_rms_um: from.rms_mm * 1e3,
-        samples: from.records.iter().fold(counts(&[]), |sum, records| {
-            let of_run = counts(records);
+        samples: from.runs.iter().fold(counts(&[]), |sum, run| {
+            let of_run = counts(&run.records);
             SampleCounts {
                 used: sum.used + of_run.used,
                 rejected: sum.rejected + of_run.rejected,
@@ -199,22 +198,16 @@ fn correlations(parameters: &[Parameter], matrix: &Matrix) -> Vec<Correlation> {
 /// What became of samples.
 fn counts(records: &[Record]) -> SampleCounts {
     let rejected = records.iter().filter(|r| r.rejected()).count();
-    let taking_part = records.iter().filter(|r| r.used).count();
+    let taking_part = records.iter().filter(|r| r.used()).count();
     SampleCounts { used: taking_part - rejected, rejected, not_used: records.len() - taking_part }
 }
 
-fn run_result(
-    run: &RunInput,
-    records: &[Record],
-    stated: Option<&Run>,
-    mounting: String,
-) -> RunResult {
+fn run_result(run: &IdentifiedRun, stated: Option<&Run>, mounting: String) -> RunResult {
     let alignment = &run.alignment;
     let map = &alignment.time_map;
     let first_s = alignment.engagements.first().map_or(0.0, |engagement| engagement.start_s);
     let leg = map.leg_of(first_s);
-    let used = || alignment.samples.iter().zip(records).filter(|(_, record)| record.used);
-    let rejected = alignment.samples.iter().zip(records).filter(|(_, record)| record.rejected());
+    let rejected = run.records.iter().filter(|record| record.rejected());
     RunResult {
         name: run.name.clone(),
         program: stated.map_or_else(String::new, |run| run.program.display().to_string()),
@@ -231,19 +224,19 @@ fn run_result(
         start_offset_s: map.offsets_s.get(leg).copied().unwrap_or(0.0),
         start_offset_sigma_ms: map.offset_sigmas_s.get(leg).and_then(|s| finite(s * 1e3)),
         worst_time_sigma_ms: finite(
-            used().map(|(sample, _)| sample.time_sigma_s).fold(0.0, f64::max) * 1e3,
+            run.used().map(|record| record.sample.time_sigma_s).fold(0.0, f64::max) * 1e3,
         ),
         sample_period_s: alignment.sample_period_s,
         marks: alignment.marks.iter().map(|mark| mark_result(mark, map)).collect(),
         pauses: pauses(map),
-        residual_rms_um: identify::rms_mm(records) * 1e3,
-        samples: counts(records),
-        arcs: arcs(run, records),
+        residual_rms_um: identify::rms_mm(run) * 1e3,
+        samples: counts(&run.records),
+        arcs: arcs(run),
         rejected_samples: rejected
             .take(MOST_REJECTED)
-            .map(|(sample, record)| RejectedSample {
-                log_line: sample.line,
-                log_s: sample.log_s,
+            .map(|record| RejectedSample {
+                log_line: record.sample.line,
+                log_s: record.sample.log_s,
                 residual_um: record.residual_mm * 1e3,
             })
             .collect(),
@@ -296,8 +289,8 @@ fn pauses(map: &TimeMap) -> Vec<PauseResult> {
         .collect()
 }
 
-fn arcs(run: &RunInput, records: &[Record]) -> Vec<ArcResult> {
-    identify::arcs(&run.alignment, records)
+fn arcs(run: &IdentifiedRun) -> Vec<ArcResult> {
+    identify::arcs(run)
         .into_iter()
         .map(|residuals| {
             let section = &run.alignment.sections[residuals.section];

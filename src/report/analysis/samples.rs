@@ -4,7 +4,7 @@ use std::io::Write;
 
 use crate::align::{Alignment, Place, Sample};
 use crate::error::{Error, Kind, Result};
-use crate::identify::{Record, RunInput};
+use crate::identify::{IdentifiedRun, Record};
 use crate::report::text::numbers::fixed;
 
 /// Columns of every sample.
@@ -18,34 +18,27 @@ const FITTED: &str = ",predicted_um,residual_um,weight,used,rejected";
 /// `x_mm y_mm z_mm` are machine coordinates, `ball_*_mm` the tool ball relative to the workpiece ball,
 /// both as commanded; `angle_deg` is the angle on the sample's circle. A time that nothing tells has an
 /// empty `time_sigma_ms`.
-pub fn write_samples(out: &mut impl Write, run: &RunInput, records: &[Record]) -> Result<()> {
-    write_rows(out, &run.alignment, Some(records))
+pub fn write_samples(out: &mut impl Write, run: &IdentifiedRun) -> Result<()> {
+    let lines = run.records.iter().map(|r| aligned(&run.alignment, &r.sample) + &fitted(r));
+    write_lines(out, &format!("{ALIGNED}{FITTED}"), lines)
 }
 
-/// Writes the samples of a run that was aligned, but not identified: the same without prediction.
-pub fn write_aligned(out: &mut impl Write, alignment: &Alignment) -> Result<()> {
-    write_rows(out, alignment, None)
+/// Writes the samples of a run that was aligned, without what a fit made of them.
+pub fn write_aligned(out: &mut impl Write, run: &IdentifiedRun) -> Result<()> {
+    let lines = run.records.iter().map(|record| aligned(&run.alignment, &record.sample));
+    write_lines(out, ALIGNED, lines)
 }
 
-fn write_rows(
+fn write_lines(
     out: &mut impl Write,
-    alignment: &Alignment,
-    records: Option<&[Record]>,
+    head: &str,
+    lines: impl Iterator<Item = String>,
 ) -> Result<()> {
-    let mut put = |line: &str| {
+    std::iter::once(head.to_owned()).chain(lines).try_for_each(|line| {
         writeln!(out, "{line}").map_err(|error| {
             Error::new(Kind::Output, format!("samples cannot be written: {error}"))
         })
-    };
-    put(&format!("{ALIGNED}{}", if records.is_some() { FITTED } else { "" }))?;
-    for (k, sample) in alignment.samples.iter().enumerate() {
-        let mut line = aligned(alignment, sample);
-        if let Some(record) = records.and_then(|records| records.get(k)) {
-            line.push_str(&fitted(record));
-        }
-        put(&line)?;
-    }
-    Ok(())
+    })
 }
 
 fn aligned(alignment: &Alignment, sample: &Sample) -> String {
@@ -93,10 +86,10 @@ fn aligned(alignment: &Alignment, sample: &Sample) -> String {
 fn fitted(record: &Record) -> String {
     format!(
         ",{},{},{},{},{}",
-        fixed(record.predicted_mm * 1e3, 4),
+        fixed(record.computed_mm * 1e3, 4),
         fixed(record.residual_mm * 1e3, 4),
         fixed(record.weight, 4),
-        u8::from(record.used),
+        u8::from(record.used()),
         u8::from(record.rejected())
     )
 }
@@ -120,11 +113,10 @@ mod tests {
     fn every_sample_is_a_line_with_every_column() {
         let fixture = fixture::identified("hu40t-stops");
         let run = &fixture.identifications[0].runs[0];
-        let records = &fixture.identifications[0].records[0];
         let mut bytes = Vec::new();
-        write_samples(&mut bytes, run, records).unwrap();
+        write_samples(&mut bytes, run).unwrap();
         let text = String::from_utf8(bytes).unwrap();
-        assert_eq!(text.lines().count(), run.alignment.samples.len() + 1);
+        assert_eq!(text.lines().count(), run.records.len() + 1);
         let columns = text.lines().next().unwrap().split(',').count();
         for line in text.lines() {
             assert_eq!(line.split(',').count(), columns, "{line}");
@@ -134,7 +126,7 @@ mod tests {
             }
         }
         let used = text.lines().filter(|line| line.ends_with(",1,0")).count();
-        assert_eq!(used, records.iter().filter(|r| r.used).count());
+        assert_eq!(used, run.used().count());
         for place in [",arc,", ",ramp,", ",stop,"] {
             assert!(text.contains(place), "{place}");
         }
@@ -144,7 +136,7 @@ mod tests {
     fn alignment_alone_has_no_prediction() {
         let fixture = fixture::identified("hu40t-stops");
         let mut bytes = Vec::new();
-        write_aligned(&mut bytes, &fixture.identifications[0].runs[0].alignment).unwrap();
+        write_aligned(&mut bytes, &fixture.identifications[0].runs[0]).unwrap();
         let text = String::from_utf8(bytes).unwrap();
         assert_eq!(text.lines().next().unwrap(), ALIGNED);
     }

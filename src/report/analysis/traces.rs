@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::facts::Analysis;
 use crate::align::{Circle, Place};
-use crate::identify::{Identification, RunInput};
+use crate::identify::{Identification, IdentifiedRun};
 use crate::log::Log;
 
 /// One arc of one run. The vectors run along the samples; rejected ones are left out.
@@ -72,7 +72,7 @@ impl OnCircle {
 pub(super) fn circles(analysis: &Analysis, identifications: &[Identification]) -> Vec<OnCircle> {
     let mut circles: Vec<OnCircle> = Vec::new();
     for (repeat, identification) in identifications.iter().enumerate() {
-        for (run, records) in identification.runs.iter().zip(&identification.records) {
+        for run in &identification.runs {
             let set_up_um = set_up_um(analysis, identification, run);
             for (index, section) in run.alignment.sections.iter().enumerate() {
                 if section.transit {
@@ -88,7 +88,8 @@ pub(super) fn circles(analysis: &Analysis, identifications: &[Identification]) -
                     breaks: Vec::new(),
                 };
                 let mut last_s = f64::NEG_INFINITY;
-                for (sample, record) in run.alignment.samples.iter().zip(records) {
+                for record in &run.records {
+                    let sample = &record.sample;
                     if sample.place != Place::Arc(index) || record.rejected() {
                         continue;
                     }
@@ -107,8 +108,8 @@ pub(super) fn circles(analysis: &Analysis, identifications: &[Identification]) -
                     last_s = sample.log_s;
                     trace.angle_rad.push(angle_rad);
                     trace.measured_um.push(sample.deviation_mm * 1e3 - off_um);
-                    trace.predicted_um.push(record.predicted_mm * 1e3 - off_um);
-                    if record.used {
+                    trace.predicted_um.push(record.computed_mm * 1e3 - off_um);
+                    if record.used() {
                         trace.residuals.push((angle_rad, record.residual_mm * 1e3));
                     }
                 }
@@ -148,7 +149,11 @@ fn unwound(angle_rad: f64, before: Option<f64>, forward: bool) -> f64 {
 
 /// Set-up error of the balls of a run, tool minus workpiece, um; zero where it is not estimated or not
 /// determined, because then it is not known what to take off.
-fn set_up_um(analysis: &Analysis, identification: &Identification, run: &RunInput) -> Vector3<f64> {
+fn set_up_um(
+    analysis: &Analysis,
+    identification: &Identification,
+    run: &IdentifiedRun,
+) -> Vector3<f64> {
     let mounting = analysis.test.mountings.get(run.mounting).map_or("", |m| m.name.as_str());
     let value = |ball: char, axis: char| {
         let bare = format!("E{axis}{ball}");

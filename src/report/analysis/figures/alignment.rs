@@ -2,7 +2,7 @@
 
 use super::figure::Figure;
 use crate::align::{Mark, MarkKind};
-use crate::identify::{Identification, RunInput};
+use crate::identify::{Identification, IdentifiedRun};
 use crate::report::analysis::facts::{Analysis, BallBarFacts, RunResult};
 use crate::report::draw::chart::{Axis, Chart};
 use crate::report::draw::svg::{Anchor, Drawing, text_width, thinned};
@@ -45,11 +45,11 @@ pub(in crate::report) fn runs(
 }
 
 /// The log as a strip of time: arcs, pauses, marks.
-fn strip(run: &RunInput, result: &RunResult) -> String {
+fn strip(run: &IdentifiedRun, result: &RunResult) -> String {
     let alignment = &run.alignment;
     let map = &alignment.time_map;
-    let (first_s, last_s) = match (alignment.samples.first(), alignment.samples.last()) {
-        (Some(first), Some(last)) => (first.log_s, last.log_s),
+    let (first_s, last_s) = match (run.records.first(), run.records.last()) {
+        (Some(first), Some(last)) => (first.sample.log_s, last.sample.log_s),
         _ => (0.0, 1.0),
     };
     let margin_s = 0.015 * (last_s - first_s).max(1.0);
@@ -77,7 +77,7 @@ fn strip(run: &RunInput, result: &RunResult) -> String {
 }
 
 /// The arcs that have a place on the log, each circle in its colour.
-fn sections(drawing: &mut Drawing, run: &RunInput, at: &dyn Fn(f64) -> f64) {
+fn sections(drawing: &mut Drawing, run: &IdentifiedRun, at: &dyn Fn(f64) -> f64) {
     let map = &run.alignment.time_map;
     let mut circles: Vec<String> = Vec::new();
     for section in &run.alignment.sections {
@@ -113,7 +113,7 @@ fn sections(drawing: &mut Drawing, run: &RunInput, at: &dyn Fn(f64) -> f64) {
 }
 
 /// Where the bar engages and releases.
-fn marks(drawing: &mut Drawing, run: &RunInput, at: &dyn Fn(f64) -> f64) {
+fn marks(drawing: &mut Drawing, run: &IdentifiedRun, at: &dyn Fn(f64) -> f64) {
     for mark in &run.alignment.marks {
         let x = at(mark.log_s);
         if mark.kind == MarkKind::Standstill {
@@ -130,7 +130,7 @@ fn marks(drawing: &mut Drawing, run: &RunInput, at: &dyn Fn(f64) -> f64) {
 }
 
 /// Reading and commanded ramp at the first engagement and at the last release.
-fn ends(run: &RunInput, analysis: &Analysis) -> Vec<Figure> {
+fn ends(run: &IdentifiedRun, analysis: &Analysis) -> Vec<Figure> {
     let marks = &run.alignment.marks;
     let engagement = marks.iter().find(|mark| mark.kind == MarkKind::Engagement);
     let release = marks.iter().rev().find(|mark| mark.kind == MarkKind::Release);
@@ -147,7 +147,7 @@ fn ends(run: &RunInput, analysis: &Analysis) -> Vec<Figure> {
 
 /// One end of the engagement: where the bar begins to read, or ceases to.
 struct End<'a> {
-    run: &'a RunInput,
+    run: &'a IdentifiedRun,
     mark: &'a Mark,
     /// The leg of the time map that the mark lies on.
     leg: usize,
@@ -156,7 +156,7 @@ struct End<'a> {
 }
 
 impl<'a> End<'a> {
-    fn new(run: &'a RunInput, mark: &'a Mark) -> Self {
+    fn new(run: &'a IdentifiedRun, mark: &'a Mark) -> Self {
         let leg = run.alignment.time_map.leg_of(mark.program_s);
         let inwards = if mark.kind == MarkKind::Engagement { 1.0 } else { -1.0 };
         Self { run, mark, leg, inwards }
@@ -213,9 +213,8 @@ impl<'a> End<'a> {
         let (alignment, mark_s) = (&self.run.alignment, self.mark.log_s);
         let ramp_s = self.ramp_s(bar.range_mm);
         let (from, to) = self.stretch_s(ramp_s);
-        let near: Vec<(f64, f64)> = alignment
-            .samples
-            .iter()
+        let samples = self.run.records.iter().map(|record| &record.sample);
+        let near: Vec<(f64, f64)> = samples
             .filter(|sample| (from..=to).contains(&sample.log_s))
             .map(|sample| (sample.log_s - mark_s, sample.deviation_mm * 1e3))
             .collect();

@@ -2,8 +2,7 @@
 
 use super::figure::Figure;
 use super::polar::direction;
-use crate::align::Place;
-use crate::identify::Identification;
+use crate::identify::{Identification, IdentifiedRun, Record};
 use crate::log::Log;
 use crate::report::analysis::facts::{Analysis, RepeatResult};
 use crate::report::analysis::traces::OnCircle;
@@ -22,8 +21,13 @@ const STRETCH_DEG: f64 = 3.0;
 
 /// Range of the residuals that were believed, um: the same for every figure.
 fn range_um(identifications: &[Identification]) -> f64 {
-    let all = identifications.iter().flat_map(|identification| &identification.records).flatten();
-    symmetric(all.filter(|r| r.used && !r.rejected()).map(|r| r.residual_mm * 1e3))
+    symmetric(identifications.iter().flat_map(believed).map(|r| r.residual_mm * 1e3))
+}
+
+/// The readings of all runs that the fit used and believed.
+fn believed(identification: &Identification) -> impl Iterator<Item = &Record> {
+    let used = identification.runs.iter().flat_map(IdentifiedRun::used);
+    used.filter(|record| !record.rejected())
 }
 
 /// One chart a run: residual against program time, arcs shaded.
@@ -34,17 +38,12 @@ pub(in crate::report) fn against_time(
     let range = range_um(identifications);
     let mut figures = Vec::new();
     for identification in identifications {
-        for (run, records) in identification.runs.iter().zip(&identification.records) {
+        for run in &identification.runs {
             let alignment = &run.alignment;
-            let points: Vec<(usize, f64, f64)> = alignment
-                .samples
-                .iter()
-                .zip(records)
-                .filter(|(_, record)| record.used && !record.rejected())
-                .filter_map(|(sample, record)| match sample.place {
-                    Place::Arc(arc) => Some((arc, sample.program_s, record.residual_mm * 1e3)),
-                    _ => None,
-                })
+            let points: Vec<(usize, f64, f64)> = run
+                .used()
+                .filter(|record| !record.rejected())
+                .filter_map(|r| Some((r.section()?, r.sample.program_s, r.residual_mm * 1e3)))
                 .collect();
             let (Some(first), Some(last)) = (points.first(), points.last()) else { continue };
             let x = Axis::new("program time, s", (first.1 - 2.0, last.1 + 2.0));
@@ -133,13 +132,8 @@ fn averaged(points: &[(f64, f64)], low: f64) -> Vec<(f64, f64)> {
 
 /// Distribution of the residuals, with the normal distribution of the same standard deviation.
 pub(in crate::report) fn histogram(identifications: &[Identification]) -> Option<Figure> {
-    let values: Vec<f64> = identifications
-        .iter()
-        .flat_map(|identification| &identification.records)
-        .flatten()
-        .filter(|r| r.used && !r.rejected())
-        .map(|r| r.residual_mm * 1e3)
-        .collect();
+    let values: Vec<f64> =
+        identifications.iter().flat_map(believed).map(|r| r.residual_mm * 1e3).collect();
     if values.len() < 20 {
         return None;
     }
@@ -192,18 +186,14 @@ pub(in crate::report) fn autocorrelation(
 ) -> Option<Figure> {
     let lags = result.noise.autocorrelation.len();
     let mut covariances = Autocovariances::new(lags.saturating_sub(1));
-    for (run, records) in identification.runs.iter().zip(&identification.records) {
+    for run in &identification.runs {
         let longest_s = Log::GAP_PERIODS * run.alignment.sample_period_s;
-        let used: Vec<(Place, f64, f64)> = run
-            .alignment
-            .samples
-            .iter()
-            .zip(records)
-            .filter(|(_, record)| record.used && !record.rejected())
-            .map(|(sample, record)| (sample.place, sample.log_s, record.residual_mm * 1e3))
-            .collect();
-        for piece in used.chunk_by(|a, b| a.0 == b.0 && b.1 - a.1 <= longest_s) {
-            let values: Vec<f64> = piece.iter().map(|(_, _, residual)| *residual).collect();
+        let used: Vec<&Record> = run.used().filter(|record| !record.rejected()).collect();
+        let together = |a: &&Record, b: &&Record| {
+            a.sample.place == b.sample.place && b.sample.log_s - a.sample.log_s <= longest_s
+        };
+        for piece in used.chunk_by(together) {
+            let values: Vec<f64> = piece.iter().map(|record| record.residual_mm * 1e3).collect();
             covariances.push_segment(&values);
         }
     }

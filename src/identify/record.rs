@@ -1,0 +1,95 @@
+//! A reading from the log to the picture: where it was taken, what the fit computes there, what became of it.
+
+use crate::align::{Place, Sample};
+
+/// One reading of a run that was identified.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Record {
+    /// The reading with its time and its place: what was observed.
+    pub sample: Sample,
+    /// Deviation that the model computes, mm.
+    pub computed_mm: f64,
+    /// Observed minus computed, mm.
+    pub residual_mm: f64,
+    /// What the readings before it on the same stretch of an arc do not foretell of its residual, in standard
+    /// deviations; `None` where it takes no part.
+    pub whitened: Option<f64>,
+    /// Weight in the fit, 0 to 1.
+    pub weight: f64,
+    /// Why it takes no part in the fit; `None` where it does.
+    pub apart: Option<Apart>,
+}
+
+/// Why a reading takes no part in a fit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Apart {
+    /// The bar is on its way to the sphere or from it.
+    Ramp,
+    /// The machine stands.
+    Standstill,
+    /// The operator has it.
+    Pause,
+    /// Nothing tells its time.
+    TimeUnknown,
+    /// An axis turns round so near to it that its sense is not known.
+    Reversal,
+    /// Of a long log only every so many readings are looked at.
+    Thinned,
+}
+
+impl Apart {
+    /// In a word, as files have it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Ramp => "ramp",
+            Self::Standstill => "standstill",
+            Self::Pause => "pause",
+            Self::TimeUnknown => "time unknown",
+            Self::Reversal => "reversal",
+            Self::Thinned => "thinned",
+        }
+    }
+
+    /// Why a sample takes no part: only one on an arc does, where the sense of every axis is known, that is,
+    /// where no axis turns round within three standard deviations of its time, and not within `guard_s`.
+    pub(super) fn of(sample: &Sample, reversals_s: &[f64], guard_s: f64) -> Option<Self> {
+        match sample.place {
+            Place::Ramp => return Some(Self::Ramp),
+            Place::Dwell => return Some(Self::Standstill),
+            Place::Stop => return Some(Self::Pause),
+            Place::Arc(_) => {}
+        }
+        if !sample.time_sigma_s.is_finite() {
+            return Some(Self::TimeUnknown);
+        }
+        let next = reversals_s.partition_point(|t| *t < sample.program_s);
+        let guard_s = guard_s.max(3.0 * sample.time_sigma_s);
+        let near = |index: usize| {
+            reversals_s.get(index).is_some_and(|t| (t - sample.program_s).abs() < guard_s)
+        };
+        (near(next) || next.checked_sub(1).is_some_and(near)).then_some(Self::Reversal)
+    }
+}
+
+/// With less weight than this a sample counts as rejected: Huber's weight at some 10 sigma.
+const REJECTED: f64 = 0.13;
+
+impl Record {
+    /// Whether the fit used it.
+    pub fn used(&self) -> bool {
+        self.apart.is_none()
+    }
+
+    /// Whether the fit used it and hardly believed it: its residual was too large.
+    pub fn rejected(&self) -> bool {
+        self.used() && self.weight < REJECTED
+    }
+
+    /// Index of the section of the program that it lies on; `None` off the arcs.
+    pub fn section(&self) -> Option<usize> {
+        match self.sample.place {
+            Place::Arc(section) => Some(section),
+            Place::Ramp | Place::Dwell | Place::Stop => None,
+        }
+    }
+}
