@@ -8,10 +8,11 @@
 //!
 //! and changes the parameters of the fit by `- F Q^T c` per unit, `F = D^-1 V_r S_r^-1`.
 
-use super::fit::{Fit, State};
+use super::fit::Fit;
 use super::input::Options;
 use super::record::{Apart, Record};
 use super::result::{Identification, IdentifiedRun};
+use super::state::State;
 use crate::align::Place;
 use crate::error::Result;
 use crate::model::{Model, Situation};

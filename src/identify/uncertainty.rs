@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 
-use super::fit::{Fit, Outcome, State};
+use super::fit::{Fit, Outcome};
 use super::input::RunInput;
 use super::record::Record;
 use super::result::{Estimate, Identification, IdentifiedRun};
+use super::state::State;
 use super::{cautions, residuals};
 use crate::align::Sample;
 use crate::error::Result;
