@@ -101,7 +101,29 @@ fn what_was_put_in_comes_out() {
     }
     arc_starts(&scored, &mut hold);
     coefficients(&scored, &mut hold);
+    whitened(&scored, &mut hold);
     assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+/// The noise model is right where what is left is white: an rms of 1, and nothing that neighbours foretell.
+fn whitened(scored: &Scored, hold: &mut impl FnMut(&str, f64, f64)) {
+    for (set, repeats) in &scored.sets {
+        for found in repeats {
+            let white: Vec<Option<f64>> =
+                found.runs.iter().flat_map(|run| &run.records).map(|r| r.whitened).collect();
+            let of: Vec<f64> = white.iter().flatten().copied().collect();
+            let pairs: Vec<f64> =
+                white.windows(2).filter_map(|two| Some(two[0]? * two[1]?)).collect();
+            // Five standard deviations of an rms, and of a correlation, of so many independent values.
+            let bound = 5.0 / (of.len() as f64).sqrt();
+            hold(
+                &format!("{}: rms of the whitened residual", set.name),
+                (rms(&of) - 1.0).abs(),
+                bound,
+            );
+            hold(&format!("{}: correlation of neighbours", set.name), mean(&pairs).abs(), bound);
+        }
+    }
 }
 
 /// Every arc of the runs with pauses starts when the map says, within what the map says of itself.

@@ -4,20 +4,21 @@ use std::io::Write;
 
 use crate::align::{Alignment, Place, Sample};
 use crate::error::{Error, Kind, Result};
-use crate::identify::{IdentifiedRun, Record};
+use crate::identify::{Apart, IdentifiedRun, Record};
 use crate::report::text::numbers::fixed;
 
 /// Columns of every sample.
 const ALIGNED: &str = "log_line,log_time_s,program_time_s,time_sigma_ms,place,arc,angle_deg,\
 x_mm,y_mm,z_mm,ball_x_mm,ball_y_mm,ball_z_mm,sense_x,sense_y,sense_z,deviation_um";
 /// Columns that come with a fit.
-const FITTED: &str = ",predicted_um,residual_um,weight,used,rejected";
+const FITTED: &str = ",predicted_um,residual_um,weight,used,rejected,whitened,not_used_because";
 
 /// Writes the samples of an identified run.
 ///
 /// `x_mm y_mm z_mm` are machine coordinates, `ball_*_mm` the tool ball relative to the workpiece ball,
 /// both as commanded; `angle_deg` is the angle on the sample's circle. A time that nothing tells has an
-/// empty `time_sigma_ms`.
+/// empty `time_sigma_ms`. `whitened` is what the readings before it do not foretell of a residual, in standard
+/// deviations; a reading that took no part has none, and says why.
 pub fn write_samples(out: &mut impl Write, run: &IdentifiedRun) -> Result<()> {
     let lines = run.records.iter().map(|r| aligned(&run.alignment, &r.sample) + &fitted(r));
     write_lines(out, &format!("{ALIGNED}{FITTED}"), lines)
@@ -85,12 +86,14 @@ fn aligned(alignment: &Alignment, sample: &Sample) -> String {
 
 fn fitted(record: &Record) -> String {
     format!(
-        ",{},{},{},{},{}",
+        ",{},{},{},{},{},{},{}",
         fixed(record.computed_mm * 1e3, 4),
         fixed(record.residual_mm * 1e3, 4),
         fixed(record.weight, 4),
         u8::from(record.used()),
-        u8::from(record.rejected())
+        u8::from(record.rejected()),
+        record.whitened.map_or_else(String::new, |whitened| fixed(whitened, 3)),
+        record.apart.map_or("", Apart::word)
     )
 }
 
@@ -125,8 +128,12 @@ mod tests {
                 assert!(!zero, "{line}");
             }
         }
-        let used = text.lines().filter(|line| line.ends_with(",1,0")).count();
+        let used =
+            text.lines().filter(|line| line.contains(",1,0,") && line.ends_with(',')).count();
         assert_eq!(used, run.used().count());
+        for why in ["ramp", "reversal", "pause"] {
+            assert!(text.lines().any(|line| line.ends_with(&format!(",0,0,,{why}"))), "{why}");
+        }
         for place in [",arc,", ",ramp,", ",stop,"] {
             assert!(text.contains(place), "{place}");
         }
