@@ -80,7 +80,7 @@ fn named(request: &DesignRequest) -> Result<Vec<Coefficient>> {
     }
     let terms = model::terms(&named, &[String::new()])?;
     let names = terms.iter().flat_map(|term| term.parameters());
-    Ok(names.filter_map(|parameter| Coefficient::parse(&parameter.name)).collect())
+    Ok(names.filter_map(|parameter| parameter.id.coefficient()).collect())
 }
 
 /// The working volume that a design is for, machine coordinates, mm.

@@ -10,7 +10,7 @@ use crate::identify::{
     self, Driven, Gather, Options, POINTS, Prediction, RunInput, SEEN_UM, Sight,
 };
 use crate::machine::{Axis, Machine, Mounting};
-use crate::model::{self, COMPLETE, Coefficient, Model};
+use crate::model::{self, COMPLETE, Coefficient, Model, Parameter};
 use crate::plan::{BallBar, LeastClearance, NamedMounting, Operator, Test};
 use crate::solve::NullDirection;
 
@@ -292,11 +292,10 @@ fn unseen(
     let driven = driven(test)?;
     let names: Vec<String> = test.mountings().iter().map(|m| m.name.clone()).collect();
     let sight = sight(machine, &driven, &names)?;
-    let bare = |name: &str| name.split('@').next().unwrap_or_default().to_owned();
     let mut terms: Vec<String> = Vec::new();
     for parameter in model.parameters() {
         // A bare name stands for the set-up errors of all mountings.
-        let name = bare(&parameter.name);
+        let name = parameter.bare_name();
         if !terms.contains(&name) {
             terms.push(name);
         }
@@ -317,9 +316,10 @@ fn unseen(
     // stands still keeps a sense, which ideal arcs do not count.
     if chosen {
         unseen.retain(|unseen| model.parameters().iter().all(|p| p.name != unseen.name));
-        let kept = selection.kept.iter().map(|&k| sight.name(k));
-        unseen.extend(kept.filter(|name| !terms.contains(&bare(name))).map(|name| Unseen {
-            name: name.to_owned(),
+        let kept = selection.kept.iter().map(|&k| sight.parameter(k));
+        let faint = kept.filter(|parameter| !terms.contains(&parameter.bare_name()));
+        unseen.extend(faint.map(|Parameter { name, .. }| Unseen {
+            name: name.clone(),
             reason: format!("{name} does not stand out of the noise on these arcs"),
             remedies: vec!["more samples or less noise".to_owned()],
         }));

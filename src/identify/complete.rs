@@ -45,11 +45,10 @@ pub fn explicit_terms(
     let fit = rehearsed_fit(&model, runs, options, &NoiseModel::white(options.noise_mm))?;
     let triangle = fit.triangle()?;
     let parameters = model.parameters();
-    let bare = |k: usize| parameters[k].name.split('@').next().unwrap_or_default();
     // Nobody asks whether to estimate the times: they come first.
     let mut columns: Vec<usize> = (fit.columns.coefficients..fit.columns.total).collect();
     for name in &order {
-        columns.extend((0..parameters.len()).filter(|&k| bare(k) == name));
+        columns.extend((0..parameters.len()).filter(|&k| parameters[k].bare_name() == *name));
     }
     let floor = Truncation::Effect(fit.floor(triangle.rows()));
     let choice = triangle.choose(&columns, &fit.references(&triangle), floor)?;

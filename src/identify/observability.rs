@@ -11,7 +11,7 @@ use rand_pcg::Pcg64Mcg;
 use super::words::sentence;
 use crate::error::{Error, Result};
 use crate::machine::{Axis, Machine, Mounting, Pose};
-use crate::model::{Coefficient, Model, Motion, Parameter, SetUp, Situation, terms};
+use crate::model::{Coefficient, Model, Motion, Parameter, ParameterId, Situation, terms};
 use crate::plan::Arc;
 use crate::solve::{Choice, NullDirection, Spectrum, Triangle, Truncation, Tsqr};
 
@@ -22,16 +22,9 @@ pub const POSES: usize = 8000;
 /// Points of an arc, half a step from its ends: an even number, so none lies where a slide turns round.
 pub const POINTS: usize = 240;
 
-#[derive(Clone, Copy)]
-enum Kind {
-    Coefficient(Coefficient),
-    SetUp(SetUp, usize),
-}
-
 /// Rows of all 90 coefficients and the six set-up errors of each mounting, while they are gathered.
 pub struct Gather<'a> {
     model: Model<'a>,
-    kinds: Vec<Kind>,
     tsqr: Tsqr,
     /// Squared norms that the columns would have if nothing in them cancelled.
     squares: Vec<f64>,
@@ -59,20 +52,14 @@ impl<'a> Gather<'a> {
         let mut names = vec!["all".to_owned()];
         names.extend(gone.iter().map(|name| format!("-{name}")));
         let model = Model::new(machine, mountings.to_vec(), terms(&names, places)?);
-        let keep = |name: String| !gone.contains(&name.as_str());
-        let coefficients = Coefficient::all().filter(|c| keep(c.to_string()));
-        let set_ups = (0..mountings.len()).flat_map(|k| {
-            SetUp::all().filter(|s| keep(s.to_string())).map(move |s| Kind::SetUp(s, k))
-        });
-        let kinds: Vec<Kind> = coefficients.map(Kind::Coefficient).chain(set_ups).collect();
-        let columns = kinds.len();
-        Ok(Self { model, kinds, tsqr: Tsqr::new(columns), squares: vec![0.0; columns] })
+        let columns = model.parameters().len();
+        Ok(Self { model, tsqr: Tsqr::new(columns), squares: vec![0.0; columns] })
     }
 
     /// A row, and the sizes of the numbers that were subtracted from each other in it: levers and
     /// directions are differences of positions.
     fn push(&mut self, at: &Situation, direction_size: &Vector3<f64>) {
-        let mut row = vec![0.0; self.kinds.len()];
+        let mut row = vec![0.0; self.squares.len()];
         self.model.row(at, &mut row);
         self.tsqr.push(&row, 0.0);
         let mounting = &self.model.mountings()[at.mounting];
@@ -81,11 +68,12 @@ impl<'a> Gather<'a> {
             let (j, k) = ((i + 1) % 3, (i + 2) % 3);
             lever_size[j] * direction_size[k] + lever_size[k] * direction_size[j]
         };
-        for (square, kind) in self.squares.iter_mut().zip(&self.kinds) {
-            let size = match kind {
-                Kind::SetUp(_, mounting) if *mounting != at.mounting => 0.0,
-                Kind::SetUp(set_up, _) => direction_size[set_up.axis.index()],
-                Kind::Coefficient(c) => {
+        for (square, parameter) in self.squares.iter_mut().zip(self.model.parameters()) {
+            let size = match parameter.id {
+                ParameterId::SetUp(_, mounting) if mounting != at.mounting => 0.0,
+                ParameterId::SetUp(set_up, _) => direction_size[set_up.axis.index()],
+                ParameterId::Amplitude => 0.0,
+                ParameterId::Coefficient(c) => {
                     let basis = at.basis[c.slide.index()][c.power as usize].abs();
                     let i = c.component.direction();
                     basis * if c.component.is_angular() { turned(i) } else { direction_size[i] }
@@ -184,8 +172,8 @@ pub struct Seen {
 impl Sight {
     /// Indices of the columns that are wanted by their bare name, without the mounting.
     pub fn columns(&self, keep: impl Fn(&str) -> bool) -> Vec<usize> {
-        let bare = |name: &str| name.split('@').next().is_some_and(&keep);
-        (0..self.parameters.len()).filter(|&k| bare(&self.parameters[k].name)).collect()
+        let kept = |k: &usize| keep(&self.parameters[*k].bare_name());
+        (0..self.parameters.len()).filter(kept).collect()
     }
 
     /// Name of a column.
@@ -193,13 +181,14 @@ impl Sight {
         &self.parameters[column].name
     }
 
-    /// The set-up error that a column stands for, with the index of its mounting; the columns of the
-    /// set-up errors come last, mounting by mounting.
-    pub(super) fn set_up(&self, column: usize) -> Option<(SetUp, usize)> {
-        let name = |k: usize| self.name(k).split('@').next().and_then(SetUp::parse);
-        let set_up = name(column)?;
-        let before = (0..column).filter(|&k| name(k) == Some(set_up)).count();
-        Some((set_up, before))
+    /// What a column stands for.
+    pub fn parameter(&self, column: usize) -> &Parameter {
+        &self.parameters[column]
+    }
+
+    /// The same without its name.
+    pub(super) fn id(&self, column: usize) -> ParameterId {
+        self.parameters[column].id
     }
 
     fn spectrum(&self, columns: &[usize]) -> Result<(Triangle, Spectrum)> {
@@ -248,7 +237,7 @@ impl Sight {
     /// after the others: so a rotation is told by the translations that it acts as, and never the other
     /// way round.
     pub fn translations_first(&self, columns: &[usize]) -> Vec<usize> {
-        let rank = |k: &usize| match Coefficient::parse(&self.parameters[*k].name) {
+        let rank = |k: &usize| match self.id(*k).coefficient() {
             None => 0,
             Some(c) if c.component.is_angular() => 4 - c.slide.index(),
             Some(_) => 1,
@@ -267,13 +256,13 @@ impl Sight {
     /// of the same slide and power if they suffice, removed before or not; otherwise by the columns that
     /// are there.
     pub(super) fn explained(&self, column: usize, with: &[usize]) -> Result<NullDirection> {
-        let of = Coefficient::parse(&self.parameters[column].name);
+        let of = self.id(column).coefficient();
         if let Some(of) = of.filter(|of| of.component.is_angular()) {
             let same = |c: Coefficient| {
                 (c.slide, c.power) == (of.slide, of.power) && !c.component.is_angular()
             };
             let mut few: Vec<usize> = (0..self.parameters.len())
-                .filter(|&k| Coefficient::parse(&self.parameters[k].name).is_some_and(same))
+                .filter(|&k| self.id(k).coefficient().is_some_and(same))
                 .collect();
             few.push(column);
             if self.rank(&few)? < few.len() {

@@ -67,10 +67,10 @@ pub fn remedies(
     groups
         .iter()
         .map(|group| {
-            let of = |k: usize| Coefficient::parse(sight.name(k));
+            let of = |k: usize| sight.id(k).coefficient();
             let parts = group.parts.iter().filter_map(|&(k, share)| Some((of(k)?, share)));
             let set_ups =
-                group.parts.iter().filter_map(|&(k, share)| Some((sight.set_up(k)?, share)));
+                group.parts.iter().filter_map(|&(k, share)| Some((sight.id(k).set_up()?, share)));
             let group = Group { coefficients: parts.collect(), set_ups: set_ups.collect() };
             let helps = |remedy: &&Remedy| separates(machine, remedy, &group);
             let told = |remedies: &[Remedy]| -> Vec<String> {

@@ -45,6 +45,6 @@ pub use motion::{Corner, Motion, Reversal};
 pub use seat::{Seat, SeatKind};
 pub use sets::{COMPLETE, NAMED_SETS, coefficients, terms};
 pub use shape::Shape;
-pub use term::{Model, Parameter, Term};
+pub use term::{Model, Parameter, ParameterId, Term};
 pub use unit::Unit;
 pub use variable::{Dependence, Empirical, Variable, place};

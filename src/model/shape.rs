@@ -15,7 +15,7 @@ use super::key::{Key, ORDER, PHASE, RUN};
 use super::law::Law;
 use super::motion::Motion;
 use super::seat::Seat;
-use super::term::{Parameter, Term};
+use super::term::{Parameter, ParameterId, Term};
 use super::variable::Dependence;
 use crate::error::{Error, Result};
 use crate::machine::{Axis, ChainErrors, Pose};
@@ -173,7 +173,11 @@ fn rounded(value: f64) -> f64 {
 impl Term for Shape {
     fn parameters(&self) -> Vec<Parameter> {
         let name = self.name();
-        let of = |part: String| Parameter { name: format!("{name}{part}"), unit: self.unit() };
+        let of = |part: String| Parameter {
+            id: ParameterId::Amplitude,
+            name: format!("{name}{part}"),
+            unit: self.unit(),
+        };
         match (self.law(), self.amplitudes()) {
             (Law::Wave(..), _) => vec![of(" sin".into()), of(" cos".into())],
             (_, 1) => vec![of(String::new())],

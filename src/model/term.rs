@@ -9,13 +9,54 @@ use super::jacobian::Situation;
 use super::motion::Motion;
 use crate::machine::{Axis, ChainErrors, Machine, Mounting, Pose};
 
+/// What a parameter is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ParameterId {
+    /// A coefficient of the paper.
+    Coefficient(Coefficient),
+    /// A set-up error of the mounting with this index.
+    SetUp(SetUp, usize),
+    /// An amplitude of an effect.
+    Amplitude,
+}
+
+impl ParameterId {
+    /// The coefficient, if it is one.
+    pub fn coefficient(self) -> Option<Coefficient> {
+        match self {
+            Self::Coefficient(of) => Some(of),
+            Self::SetUp(..) | Self::Amplitude => None,
+        }
+    }
+
+    /// The set-up error with its mounting, if it is one.
+    pub fn set_up(self) -> Option<(SetUp, usize)> {
+        match self {
+            Self::SetUp(of, mounting) => Some((of, mounting)),
+            Self::Coefficient(_) | Self::Amplitude => None,
+        }
+    }
+}
+
 /// A number that a term estimates.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Parameter {
-    /// Its name, such as `EXX1`.
+    /// What it is.
+    pub id: ParameterId,
+    /// Its name, such as `EXX1`, `EXt` or, of one of several mountings, `EXt@A`.
     pub name: String,
     /// Its unit, such as `mm/mm`.
     pub unit: &'static str,
+}
+
+impl Parameter {
+    /// Its name without that of a mounting: what stands for it in all mountings.
+    pub fn bare_name(&self) -> String {
+        match self.id {
+            ParameterId::SetUp(of, _) => of.to_string(),
+            ParameterId::Coefficient(_) | ParameterId::Amplitude => self.name.clone(),
+        }
+    }
 }
 
 /// The unit of the model.
@@ -62,7 +103,8 @@ pub trait Term: Debug + Send + Sync {
 
 impl Term for Coefficient {
     fn parameters(&self) -> Vec<Parameter> {
-        vec![Parameter { name: self.to_string(), unit: self.unit() }]
+        let id = ParameterId::Coefficient(*self);
+        vec![Parameter { id, name: self.to_string(), unit: self.unit() }]
     }
 
     fn columns(&self, at: &Situation, out: &mut [f64]) {
@@ -108,7 +150,8 @@ impl Term for SetUpTerm {
             "" => self.set_up.to_string(),
             mounting => format!("{}@{mounting}", self.set_up),
         };
-        vec![Parameter { name, unit: "mm" }]
+        let id = ParameterId::SetUp(self.set_up, self.mounting);
+        vec![Parameter { id, name, unit: "mm" }]
     }
 
     fn columns(&self, at: &Situation, out: &mut [f64]) {

@@ -5,7 +5,7 @@ use std::fmt;
 use super::jacobian::Situation;
 use super::motion::Motion;
 use super::seat::Seat;
-use super::term::{Parameter, Term};
+use super::term::{Parameter, ParameterId, Term};
 use crate::machine::{Axis, ChainErrors, Pose};
 use nalgebra::Vector3;
 
@@ -172,6 +172,7 @@ impl Term for Empirical {
         };
         let name = self.name();
         let of = |knot: &f64| Parameter {
+            id: ParameterId::Amplitude,
             name: format!("{name} at {knot:.1} {}", self.variable.unit()),
             unit,
         };
