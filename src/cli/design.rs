@@ -58,7 +58,7 @@ impl Arguments {
                     proposal.total_s / 60.0,
                     unseen.len(),
                     proposal.wanted.len(),
-                    report::some_of(&unseen)
+                    report::list(&unseen)
                 ),
             )
             .at(Place::file(&self.test))

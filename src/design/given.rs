@@ -60,7 +60,7 @@ impl Measured {
                 .at(Place::file(file))
                 .hint("give the analysis.json that `ballbar analyse` wrote")
         })?;
-        if !analysis.format.starts_with("ballbar.analysis/1") {
+        if !["ballbar.analysis/1", "ballbar.analysis/2"].contains(&analysis.format.as_str()) {
             return Err(Error::input(format!("the format `{}` is unknown", analysis.format))
                 .at(Place::file(file))
                 .hint("analyse the test again with this version"));
@@ -190,7 +190,7 @@ impl Measured {
         let mut rows = Tsqr::new(SET_UPS + n);
         let weight = self.variance_mm2.sqrt().recip();
         for sample in rehearsed.samples() {
-            if !matches!(sample.place, align::Place::Arc(_)) {
+            if !matches!(sample.part, align::Part::Arc(_)) {
                 continue;
             }
             let at = Situation::new(machine, &named.mounting, 0, &sample.pose);

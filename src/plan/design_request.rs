@@ -1,7 +1,7 @@
 //! What a test is to be designed for: the table `[design]` of a test file.
 
 use nalgebra::Vector3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 use crate::error::{Error, Result};
@@ -17,7 +17,7 @@ const SAME_MM: f64 = 1e-6;
 const THINNEST_MM: f64 = 1.0;
 
 /// What is to be small.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, Serialize)]
 pub enum Criterion {
     /// The mean square uncertainty of the volumetric error over the working volume.
     #[default]

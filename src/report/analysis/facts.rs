@@ -13,7 +13,7 @@ use crate::solve::Loss;
 /// The results of a test.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Analysis {
-    /// Name and version of the format: `ballbar.analysis/1`.
+    /// Name and version of the format: `ballbar.analysis/2`.
     pub format: &'static str,
     /// Version of the program that wrote it.
     pub program_version: &'static str,

@@ -19,7 +19,7 @@ pub fn proposal_json(request: &Test, proposal: &Proposal, outlook: &Outlook) -> 
     json!({
         "format": "ballbar.design/1",
         "test": request.name(),
-        "criterion": format!("{of:?}"),
+        "criterion": of,
         "before": proposal.value[0],
         "after": proposal.value[1],
         "candidate_set_ups": proposal.candidates[0],

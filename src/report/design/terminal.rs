@@ -6,18 +6,6 @@ use crate::design::{Outlook, Proposal};
 use crate::plan::{Criterion, Test};
 use crate::report::text::numbers::{decimals, fixed, many};
 
-/// So many names are told; the rest is a number.
-const TOLD: usize = 8;
-
-/// A list that stays a line.
-pub fn some_of(names: &[String]) -> String {
-    let told = names.iter().take(TOLD).cloned().collect::<Vec<_>>().join(", ");
-    match names.len().saturating_sub(TOLD) {
-        0 => told,
-        more => format!("{told} and {more} more"),
-    }
-}
-
 /// A length in micrometres with three digits that say something, however small it is.
 fn um(mm: f64) -> String {
     let um = mm * 1e3;
@@ -152,12 +140,5 @@ mod tests {
         assert_eq!(um(0.268), "268");
         assert_eq!(left(Criterion::A, 0.1, 0.0867), "then 86.7 um");
         assert_eq!(left(Criterion::D, -5.0, -5.5), "then known 1.65 times better");
-    }
-
-    #[test]
-    fn a_long_list_is_cut() {
-        let names: Vec<String> = (0..45).map(|k| format!("E{k}")).collect();
-        assert_eq!(some_of(&names), "E0, E1, E2, E3, E4, E5, E6, E7 and 37 more");
-        assert_eq!(some_of(&names[..2]), "E0, E1");
     }
 }

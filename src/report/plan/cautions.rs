@@ -23,7 +23,7 @@ pub(super) fn of(test: &TestOutlook, minimum_norm: bool) -> Vec<String> {
     }
     if sight.rank > sight.ideal_rank {
         all.push(format!(
-            "The path shows {} more than ideal arcs, on which an axis that stands still has no direction of motion. These depend on the direction that standing axes keep from their last motion.",
+            "The path shows {} more than ideal arcs do, by the direction of motion that an axis keeps from its last motion while it stands still.",
             many(sight.rank - sight.ideal_rank, "direction")
         ));
     }
