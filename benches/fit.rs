@@ -41,7 +41,7 @@ impl Measured {
         for run in test.runs().unwrap() {
             let measured = MeasuredRun::read(&test, run).unwrap();
             for sample in measured.aligned(&test, &machine).unwrap().samples() {
-                if matches!(sample.place, ballbar::align::Place::Arc(_)) {
+                if matches!(sample.part, ballbar::align::Part::Arc(_)) {
                     poses.push(sample.pose);
                     deviations_mm.push(sample.deviation_mm);
                 }

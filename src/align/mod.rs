@@ -31,7 +31,7 @@ pub use engagement::{Engagement, Refusal};
 pub use lay::align;
 pub use ramp::{Mark, MarkKind};
 pub use run::{Rig, Run};
-pub use samples::{Alignment, Place, Sample};
+pub use samples::{Alignment, Part, Sample};
 pub use section::{Circle, Section};
 pub use steps::{ArcTime, TimeStep};
 pub use time_map::{Moment, TimeMap};

@@ -11,9 +11,9 @@ use crate::machine::Pose;
 use crate::model::Motion;
 use crate::motion::{Reversals, Trajectory};
 
-/// Where in the program a sample was taken.
+/// What part of the program a sample was taken in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
+pub enum Part {
     /// On a section of the sphere; its index.
     Arc(usize),
     /// On a feed-in or feed-out.
@@ -42,7 +42,7 @@ pub struct Sample {
     /// How the machine moved there.
     pub motion: Motion,
     /// Where in the program.
-    pub place: Place,
+    pub part: Part,
     /// Index of the leg of the time map.
     pub leg: usize,
 }
@@ -84,10 +84,10 @@ impl Alignment {
             // In a pause the senses are still those of the motion before it.
             let before_s = if moment.in_stop { 1e-6 } else { 0.0 };
             let state = trajectory.at(moment.program_s - before_s);
-            let place = if moment.in_stop {
-                Place::Stop
+            let part = if moment.in_stop {
+                Part::Stop
             } else if state.velocity_mm_s.norm() < 1e-9 {
-                Place::Dwell
+                Part::Dwell
             } else {
                 match self
                     .sections
@@ -95,8 +95,8 @@ impl Alignment {
                     .checked_sub(1)
                     .filter(|&index| moment.program_s < self.sections[index].end_s)
                 {
-                    Some(index) => Place::Arc(index),
-                    None => Place::Ramp,
+                    Some(index) => Part::Arc(index),
+                    None => Part::Ramp,
                 }
             };
             samples.push(Sample {
@@ -113,7 +113,7 @@ impl Alignment {
                     reversals: self.reversals.last(moment.program_s, &state.position_mm),
                     corner: trajectory.corner(moment.program_s, state.block),
                 },
-                place,
+                part,
                 leg: moment.leg,
             });
         }

@@ -6,7 +6,7 @@
 //! change, so it tells the time of each arc by itself, without any model: where the differences of the
 //! readings fit those of the commanded length best.
 
-use super::samples::{Alignment, Place, Sample};
+use super::samples::{Alignment, Part, Sample};
 
 /// The time of an arc by the pattern of its chords.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,8 +82,7 @@ impl Alignment {
 
     fn arc_time(&self, index: usize, samples: &[Sample], reach_s: f64) -> Option<ArcTime> {
         let section = &self.sections[index];
-        let on_arc: Vec<&Sample> =
-            samples.iter().filter(|s| s.place == Place::Arc(index)).collect();
+        let on_arc: Vec<&Sample> = samples.iter().filter(|s| s.part == Part::Arc(index)).collect();
         // Neighbours without a gap, so that what changes slowly drops out.
         let longest_s = crate::log::Log::GAP_PERIODS * self.sample_period_s;
         let cell = |time_s: f64| ((time_s - section.start_s) / GRID_S).round() as i64;

@@ -73,7 +73,7 @@ fn log_of(csv: &str) -> Log {
 /// Where a perfect map would put every sample, s away from where it is, in its own standard deviations.
 fn worst_sigmas(alignment: &Alignment, run: &SimulatedRun) -> f64 {
     let samples = alignment.samples();
-    let off = samples.iter().filter(|s| matches!(s.place, Place::Arc(_))).map(|sample| {
+    let off = samples.iter().filter(|s| matches!(s.part, Part::Arc(_))).map(|sample| {
         (sample.program_s - run.clock.at(sample.log_s).program_s).abs() / sample.time_sigma_s
     });
     off.fold(0.0, f64::max)

@@ -9,7 +9,7 @@ use serde_json::json;
 
 use super::common::Common;
 use super::output::{self, Talk};
-use crate::diagnose::{Finding, Told};
+use crate::diagnose::{Finding, Separation};
 use crate::error::{Error, Result};
 use crate::model::Form;
 use crate::trial::{Class, Course, Outcome, REQUIRED, Request, Session, table};
@@ -158,10 +158,10 @@ fn described(finding: &Finding) -> String {
         let _ = writeln!(text, "    {} = {:.4}{sigma}", number.name, number.value);
     }
     for rival in finding.rivals.iter().filter(|rival| rival.element.shape().is_some()) {
-        let apart = match rival.told {
-            Told::Same => "the same in these runs",
-            Told::Undecided => "not decided within the noise",
-            Told::Apart => "explains less",
+        let apart = match rival.separation {
+            Separation::Same => "the same in these runs",
+            Separation::Undecided => "not decided within the noise",
+            Separation::Apart => "explains less",
         };
         let _ = writeln!(text, "    or {}: {:.2} %, {apart}", rival.name(), 100.0 * rival.share);
     }

@@ -223,8 +223,8 @@ impl MountingOutlook {
     fn new(test: &Test, machine: &Machine, program: PlannedProgram, run: &RunInput) -> Self {
         let named = test.mountings()[program.mounting].clone();
         let (time, lengths_mm) = time_by_kind(test, &program, run);
-        let on_arcs = run.samples().iter().filter(|sample| match sample.place {
-            crate::align::Place::Arc(section) => !run.alignment.sections[section].transit,
+        let on_arcs = run.samples().iter().filter(|sample| match sample.part {
+            crate::align::Part::Arc(section) => !run.alignment.sections[section].transit,
             _ => false,
         });
         let mut used_mm = [[f64::INFINITY, f64::NEG_INFINITY]; 3];

@@ -23,12 +23,12 @@ pub use account::left_out::LeftOut;
 pub use account::moved::Moved;
 pub use account::numbers::Number;
 pub use account::times::{OffCause, OffTime};
-pub use choose::found::{Rival, Told};
+pub use choose::found::{Rival, Separation};
 pub use choose::settings::WrongSetting;
 pub use result::{Diagnosis, Finding, Verdict};
 pub use views::feature::Feature;
 pub use views::picture::{Picture, Point};
-pub use views::view::{Bin, Kind, Subject, View};
+pub use views::view::{Bin, Subject, View, ViewKind};
 
 use account::{arcs, gain, moved, numbers, times, unseen};
 use choose::found::Chosen;
@@ -140,7 +140,7 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         runs,
         programs: fitted.map_or_else(Vec::new, |fitted| gain::by_program(&alone, fitted)),
         moved,
-        unseen: unseen::unseen(&alone, campaign),
+        unseen: unseen::unseen(&alone, campaign, verdict.structure_before.is_some()),
         views: views(residuals, shown, left_mm, noise),
         pictures,
         arcs: arcs::arcs(residuals, shown, left_mm),

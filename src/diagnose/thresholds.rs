@@ -21,7 +21,7 @@ const WORTH_NAMING: f64 = 0.2;
 
 /// An effect of which less than this part of its square is left outside of the model does not show: 2 % of its
 /// rms. By trial: of an effect of 10 um 0.2 um are left then, as large as the noise.
-pub(crate) const SEEN: f64 = 4e-4;
+pub(crate) const SHOWS: f64 = 4e-4;
 /// A change of a setting of which less than this part of its square is left is followed by the model. By trial:
 /// one part in ten thousand of what another pivot changes, rms, still shows, because levers are long.
 pub(crate) const FOLLOWED: f64 = 1e-8;

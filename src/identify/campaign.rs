@@ -12,7 +12,7 @@ use super::measured::MeasuredRun;
 use super::result::Identification;
 use crate::error::{Error, Result};
 use crate::machine::{Machine, Mounting};
-use crate::model::{self, Form, Held, Model};
+use crate::model::{self, Form, HeldEffect, Model};
 use crate::plan::{Run, Test};
 
 /// All repeats of a test, identified.
@@ -23,7 +23,7 @@ pub struct Campaign {
     /// The repeats.
     pub repeats: Vec<Identification>,
     /// Effects that each repeat was identified with beside the terms.
-    pub held: Vec<Vec<Held>>,
+    pub held: Vec<Vec<HeldEffect>>,
     /// Runs that take no part, with the reason.
     pub left_out: Vec<(String, Error)>,
     /// What was measured, also what was left out; campaigns of the same measurements share it.
@@ -203,12 +203,12 @@ impl Campaign {
         &self,
         test: &Test,
         machine: &'a Machine,
-        held: &[Held],
+        held: &[HeldEffect],
     ) -> Result<Model<'a>> {
         let names: Vec<String> = test.mountings().iter().map(|m| m.name.clone()).collect();
         let mountings = test.mountings().iter().map(|m| m.mounting).collect();
         let mut terms = model::terms(&self.terms, &names)?;
-        let curves = test.estimation().curves.iter().map(|(curve, values)| Held {
+        let curves = test.estimation().curves.iter().map(|(curve, values)| HeldEffect {
             form: Form::Empirical(curve.clone()),
             amplitudes: vec![values.clone(); test.mountings().len()],
         });
@@ -222,7 +222,12 @@ impl Campaign {
     ///
     /// # Errors
     /// When a repeat cannot be identified so.
-    pub fn with_held(&self, test: &Test, machine: &Machine, held: Vec<Vec<Held>>) -> Result<Self> {
+    pub fn with_held(
+        &self,
+        test: &Test,
+        machine: &Machine,
+        held: Vec<Vec<HeldEffect>>,
+    ) -> Result<Self> {
         let options = Options::of(test);
         let extended = Self {
             terms: self.terms.clone(),

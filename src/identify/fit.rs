@@ -5,7 +5,7 @@ use super::input::{Options, RunInput};
 use super::result::Identification;
 use super::state::{State, apart};
 use super::{timing, words};
-use crate::align::{Place, TimeMap};
+use crate::align::{Part, TimeMap};
 use crate::error::{Error, Kind, Result};
 use crate::model::Model;
 use crate::solve::Loss;
@@ -103,7 +103,7 @@ impl<'a> Fit<'a> {
             .runs
             .iter()
             .flat_map(RunInput::samples)
-            .filter(|s| matches!(s.place, Place::Arc(_)))
+            .filter(|s| matches!(s.part, Part::Arc(_)))
             .count();
         if samples > 2 * self.columns.total {
             return Ok(());

@@ -13,7 +13,7 @@ use super::input::Options;
 use super::record::{Apart, Record};
 use super::result::{Identification, IdentifiedRun};
 use super::state::State;
-use crate::align::Place;
+use crate::align::Part;
 use crate::error::Result;
 use crate::model::{Model, Situation};
 use crate::solve::{Basis, Matrix, Truncation};
@@ -67,8 +67,8 @@ impl Identification {
     pub fn linearised(&self, model: &Model, options: &Options, most: usize) -> Result<Linearised> {
         // By the times as they settled, a sample that the fit used may lie just beyond the end of its arc.
         let part = |record: &Record| {
-            record.apart.or(match record.sample.place {
-                Place::Arc(_) => None,
+            record.apart.or(match record.sample.part {
+                Part::Arc(_) => None,
                 _ => Some(Apart::Ramp),
             })
         };
@@ -110,7 +110,7 @@ impl Identification {
         let mut arcs = 0;
         for (index, run) in self.runs.iter().enumerate() {
             for (k, record) in run.records.iter().enumerate() {
-                let (None, Place::Arc(section)) = (fit.state.apart[index][k], record.sample.place)
+                let (None, Part::Arc(section)) = (fit.state.apart[index][k], record.sample.part)
                 else {
                     continue;
                 };

@@ -15,7 +15,7 @@
 
 use super::fit::Fit;
 use super::input::{Options, RunInput};
-use crate::align::{self, Place};
+use crate::align::{self, Part};
 use crate::error::{Error, Kind, Result};
 use crate::log;
 use crate::machine::Machine;
@@ -190,7 +190,7 @@ pub(super) fn rehearsed_fit<'a>(
     noise: &NoiseModel,
 ) -> Result<Fit<'a>> {
     let on_arcs =
-        |run: &RunInput| run.samples().iter().any(|sample| matches!(sample.place, Place::Arc(_)));
+        |run: &RunInput| run.samples().iter().any(|sample| matches!(sample.part, Part::Arc(_)));
     if let Some(run) = runs.iter().find(|run| !on_arcs(run)) {
         return Err(Error::new(
             Kind::Undetermined,

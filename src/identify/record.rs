@@ -1,6 +1,6 @@
 //! A reading from the log to the picture: where it was taken, what the fit computes there, what became of it.
 
-use crate::align::{Place, Sample};
+use crate::align::{Part, Sample};
 
 /// One reading of a run that was identified.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,11 +53,11 @@ impl Apart {
     /// Why a sample takes no part: only one on an arc does, where the sense of every axis is known, that is,
     /// where no axis turns round within three standard deviations of its time, and not within `guard_s`.
     pub(super) fn of(sample: &Sample, reversals_s: &[f64], guard_s: f64) -> Option<Self> {
-        match sample.place {
-            Place::Ramp => return Some(Self::Ramp),
-            Place::Dwell => return Some(Self::Standstill),
-            Place::Stop => return Some(Self::Pause),
-            Place::Arc(_) => {}
+        match sample.part {
+            Part::Ramp => return Some(Self::Ramp),
+            Part::Dwell => return Some(Self::Standstill),
+            Part::Stop => return Some(Self::Pause),
+            Part::Arc(_) => {}
         }
         if !sample.time_sigma_s.is_finite() {
             return Some(Self::TimeUnknown);
@@ -87,9 +87,9 @@ impl Record {
 
     /// Index of the section of the program that it lies on; `None` off the arcs.
     pub fn section(&self) -> Option<usize> {
-        match self.sample.place {
-            Place::Arc(section) => Some(section),
-            Place::Ramp | Place::Dwell | Place::Stop => None,
+        match self.sample.part {
+            Part::Arc(section) => Some(section),
+            Part::Ramp | Part::Dwell | Part::Stop => None,
         }
     }
 }

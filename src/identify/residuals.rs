@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::record::Record;
 use super::result::IdentifiedRun;
-use crate::align::{Place, Sample};
+use crate::align::{Part, Sample};
 
 /// Stretches of consecutive used samples on one arc, without a gap.
 pub(super) fn segments(
@@ -21,7 +21,7 @@ pub(super) fn segments(
         match segments.last_mut() {
             Some(last)
                 if last.end == k
-                    && samples[k].place == samples[k - 1].place
+                    && samples[k].part == samples[k - 1].part
                     && samples[k].log_s - samples[k - 1].log_s <= longest_s =>
             {
                 last.end = k + 1;
@@ -51,7 +51,7 @@ pub struct ArcResiduals {
 pub fn arcs(run: &IdentifiedRun) -> Vec<ArcResiduals> {
     (0..run.alignment.sections.len())
         .filter_map(|section| {
-            let of_arc = |record: &&Record| record.sample.place == Place::Arc(section);
+            let of_arc = |record: &&Record| record.sample.part == Part::Arc(section);
             let of_arc: Vec<f64> = run.used().filter(of_arc).map(|r| r.residual_mm).collect();
             (!of_arc.is_empty()).then(|| ArcResiduals {
                 section,

@@ -1,7 +1,7 @@
 //! How a sample's time enters the fit.
 
 use super::input::RunInput;
-use crate::align::{MarkKind, Place, Sample};
+use crate::align::{MarkKind, Part, Sample};
 use crate::machine::Pose;
 use crate::model::Model;
 
@@ -109,7 +109,7 @@ pub(super) fn find_facets(model: &Model, values: &[f64], run: &mut RunInput) {
         if sigma_s < 0.1 * FACET_S {
             continue;
         }
-        let held = Held::of_leg(model, values, run, leg, stride);
+        let held = LegReadings::of_leg(model, values, run, leg, stride);
         let reach = ((4.0 * sigma_s).clamp(0.1, FARTHEST_S) / SEARCH_STEP_S).ceil() as i32;
         let misfits: Vec<(f64, f64)> = (-reach..=reach)
             .map(|k| f64::from(k) * SEARCH_STEP_S)
@@ -157,7 +157,7 @@ pub(super) fn doubts(model: &Model, values: &[f64], run: &RunInput) -> Vec<Doubt
     let stride = stride(Detail::Smooth, run.samples().len());
     let misfit = |leg: usize, shift_s: f64| {
         let of_leg = run.samples().iter().step_by(stride);
-        let of_leg = of_leg.filter(|s| s.leg == leg && matches!(s.place, Place::Arc(_)));
+        let of_leg = of_leg.filter(|s| s.leg == leg && matches!(s.part, Part::Arc(_)));
         let (mut sum, mut count) = (0.0, 0.0_f64);
         for sample in of_leg {
             let state = run.alignment.trajectory.at(sample.program_s + shift_s);
@@ -218,7 +218,7 @@ fn peaks(curve: &[(f64, f64)]) -> Vec<(f64, f64)> {
 }
 
 /// The readings of a leg, each with what a shift of the leg leaves of its prediction.
-struct Held<'a> {
+struct LegReadings<'a> {
     model: &'a Model<'a>,
     values: &'a [f64],
     run: &'a RunInput,
@@ -226,7 +226,7 @@ struct Held<'a> {
     readings: Vec<(&'a Sample, f64)>,
 }
 
-impl<'a> Held<'a> {
+impl<'a> LegReadings<'a> {
     fn of_leg(
         model: &'a Model<'a>,
         values: &'a [f64],
@@ -238,7 +238,7 @@ impl<'a> Held<'a> {
             .samples()
             .iter()
             .step_by(stride)
-            .filter(|s| s.leg == leg && matches!(s.place, Place::Arc(_)))
+            .filter(|s| s.leg == leg && matches!(s.part, Part::Arc(_)))
             .map(|sample| {
                 let view = view(model, values, run, sample, Detail::Smooth);
                 (sample, view.residual_mm)

@@ -186,7 +186,7 @@ impl Effect {
         let parts: Vec<String> = on.into_iter().chain(keys).collect();
         let or = match cause.seat {
             SeatKind::Function => "; angular functions take urad",
-            SeatKind::Slides => "; without `on`, all slides alike",
+            SeatKind::Slides => "; without `on`, all axes alike",
             SeatKind::Body => "; on a ball, a scale such as EXX1 (um_m) or the bar",
             SeatKind::Reading => "; on EXt, EYt, EZt or bar",
             _ => "",

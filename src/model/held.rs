@@ -30,14 +30,14 @@ impl Form {
 
 /// An effect that bends the chain by known amounts; it has no parameters.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Held {
+pub struct HeldEffect {
     /// What it does.
     pub form: Form,
     /// Its amplitudes in each mounting, mm and rad; none where it is not there.
     pub amplitudes: Vec<Vec<f64>>,
 }
 
-impl Term for Held {
+impl Term for HeldEffect {
     fn parameters(&self) -> Vec<Parameter> {
         Vec::new()
     }

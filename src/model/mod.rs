@@ -36,7 +36,7 @@ pub use causes::{BALL_PLACE, CAUSES, PIVOT};
 pub use coefficient::{Ball, Coefficient, Component, Power, SetUp};
 pub use effect::Effect;
 pub use functions::ErrorFunctions;
-pub use held::{Form, Held};
+pub use held::{Form, HeldEffect};
 pub use jacobian::{Situation, SlideGradient};
 pub use key::{AMPLITUDE, DEGREE, Key, MOUNTING, Measure, ORDER, PHASE, RUN};
 pub use law::{Inner, Law, Over, Scale, Start};

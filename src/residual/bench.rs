@@ -123,7 +123,7 @@ fn record(pose: Pose, motion: Motion, section: usize) -> Record {
         deviation_mm: 0.0,
         pose,
         motion,
-        place: align::Place::Arc(section),
+        part: align::Part::Arc(section),
         leg: 0,
     };
     Record { sample, computed_mm: 0.0, residual_mm: 0.0, whitened: None, weight: 1.0, apart: None }

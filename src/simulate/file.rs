@@ -314,7 +314,7 @@ fn known<T: ToString>(
         }
         None if SetUp::parse(name).is_some() => error.hint("set-up errors belong into `[set_up]`"),
         None if names.len() > 6 => error.hint(
-            "coefficients are named as in the paper: E, one of X Y Z A B C, the slide X Y Z, and one of 0 1 2 3 b, such as `EXX1` or `EYYb`",
+            "coefficients are named as in the paper: E, one of X Y Z A B C, the axis X Y Z, and one of 0 1 2 3 b, such as `EXX1` or `EYYb`",
         ),
         None => error.hint(format!("set-up errors are `{}`", names.join("`, `"))),
     })

@@ -8,7 +8,7 @@
 use super::class::Class;
 use super::course::Course;
 use super::stage::{Stage, Trace};
-use crate::diagnose::{Finding, Owner, Searched, Told};
+use crate::diagnose::{Finding, Owner, Searched, Separation};
 use crate::model::{Effect, Form, RUN};
 
 /// Correlation of two traces beyond which two effects are the same in the runs at hand.
@@ -185,7 +185,7 @@ fn grade(
     let Some(shape) = finding.element.shape() else { return Grade::Not };
     let same_cause = shape.cause == hidden.cause;
     let same_as_rival =
-        finding.rivals.iter().filter(|rival| rival.told == Told::Same).any(|rival| {
+        finding.rivals.iter().filter(|rival| rival.separation == Separation::Same).any(|rival| {
             rival.element.shape().is_some_and(|s| s.cause == hidden.cause && s.seat == hidden.seat)
         });
     let moved = || {
@@ -235,10 +235,10 @@ fn text(finding: &Finding) -> String {
         text = format!("{text} in repeat {} run {}", repeat + 1, run + 1);
     }
     for rival in &finding.rivals {
-        let mark = match rival.told {
-            Told::Same => "=",
-            Told::Undecided => "?",
-            Told::Apart => continue,
+        let mark = match rival.separation {
+            Separation::Same => "=",
+            Separation::Undecided => "?",
+            Separation::Apart => continue,
         };
         if let Some(shape) = rival.element.shape() {
             text = format!("{text} ({mark} {})", shape.name());

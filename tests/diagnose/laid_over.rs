@@ -83,7 +83,8 @@ fn is(finding: &Finding, cause: &str, seat: &str) -> bool {
     let named = |element: &ballbar::diagnose::Element| {
         element.shape().is_some_and(|s| s.cause.id == cause && s.seat.to_string() == seat)
     };
-    let same = |rival: &ballbar::diagnose::Rival| rival.told == ballbar::diagnose::Told::Same;
+    let same =
+        |rival: &ballbar::diagnose::Rival| rival.separation == ballbar::diagnose::Separation::Same;
     named(&finding.element)
         || finding.rivals.iter().any(|rival| same(rival) && named(&rival.element))
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use ballbar::align::{Place, Sample};
+use ballbar::align::{Part, Sample};
 use ballbar::identify::Identification;
 
 use ballbar::nc::{self, Action, Move, Program, Step};
@@ -21,7 +21,7 @@ struct Scored {
 
 fn on_arcs(identification: &Identification) -> impl Iterator<Item = &Sample> {
     let samples = identification.runs[0].records.iter().map(|record| &record.sample);
-    samples.filter(|sample| matches!(sample.place, Place::Arc(_)))
+    samples.filter(|sample| matches!(sample.part, Part::Arc(_)))
 }
 
 /// Program time found minus program time put in, s, without the approach.

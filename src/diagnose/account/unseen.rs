@@ -1,6 +1,8 @@
 //! What these runs cannot see, whatever is there.
 
-use crate::diagnose::thresholds::SEEN;
+use std::collections::BTreeSet;
+
+use crate::diagnose::thresholds::SHOWS;
 use crate::identify::Campaign;
 use crate::model::{CAUSES, Cause, Seat, Shape};
 use crate::residual::{Beside, Element, System};
@@ -8,11 +10,16 @@ use crate::residual::{Beside, Element, System};
 /// Names in one sentence; more are counted.
 const MOST_NAMES: usize = 12;
 
-/// Sentences about causes of which the fit of the model leaves nothing.
-pub(crate) fn unseen(alone: &Beside, campaign: &Campaign) -> Vec<String> {
+/// Sentences about what these runs cannot see; `ran_twice` says whether any program did.
+pub(crate) fn unseen(alone: &Beside, campaign: &Campaign, ran_twice: bool) -> Vec<String> {
+    [by_the_fit(alone, campaign), by_the_runs_alone(campaign, ran_twice)].concat()
+}
+
+/// Causes of which the fit of the model leaves nothing.
+fn by_the_fit(alone: &Beside, campaign: &Campaign) -> Vec<String> {
     let seen = |cause: &'static Cause, seat: Seat| {
         let shape = Shape { cause, seat, inner: None };
-        System::of(alone, &Element::shared(shape)).share_outside() > SEEN
+        System::of(alone, &Element::shared(shape)).share_outside() > SHOWS
     };
     let mut sentences = Vec::new();
     for cause in CAUSES.iter().filter(|cause| !cause.unseen.is_empty()) {
@@ -35,6 +42,48 @@ pub(crate) fn unseen(alone: &Beside, campaign: &Campaign) -> Vec<String> {
     if runs.map(|run| run.mounting).all(|mounting| mounting == 0) {
         sentences.push(
             "A wrong position of the balls in the test file or a wrong pivot in the machine file changes coefficients, and in one mounting leaves next to nothing in the residuals."
+                .to_owned(),
+        );
+    }
+    sentences
+}
+
+/// What the number of runs, feeds and mountings alone hides.
+fn by_the_runs_alone(campaign: &Campaign, ran_twice: bool) -> Vec<String> {
+    let mut sentences = Vec::new();
+    if campaign.repeats.len() == 1 {
+        sentences.push(
+            "Only one repeat: an effect of this repeat alone cannot be distinguished from a lasting one. The gain is that of the fit itself, not of a run that was not fitted.".to_owned(),
+        );
+    }
+    if !ran_twice {
+        sentences.push(
+            "No program ran twice: the repeatable part of the residual cannot be distinguished from slow noise. The part that is not repeatable is taken from the fit.".to_owned(),
+        );
+    }
+    let feeds: BTreeSet<i64> = campaign
+        .repeats
+        .iter()
+        .flat_map(|identification| &identification.runs)
+        .flat_map(|run| &run.alignment.sections)
+        .filter(|section| !section.transit)
+        .map(|section| section.feed_mm_s.round() as i64)
+        .collect();
+    if feeds.len() == 1 {
+        sentences.push(
+            "All arcs have one feed: effects of time or speed (following error, reversal spikes, vibration) differ from effects of position by their shape only. A second feed would separate them."
+                .to_owned(),
+        );
+    }
+    let mountings: BTreeSet<usize> = campaign
+        .repeats
+        .iter()
+        .flat_map(|identification| &identification.runs)
+        .map(|run| run.mounting)
+        .collect();
+    if mountings.len() == 1 {
+        sentences.push(
+            "Only one mounting: an angular error of an axis differs from the straightness or positioning error that it causes at the balls by the levers within the sphere only. Another tool length or place would separate them."
                 .to_owned(),
         );
     }

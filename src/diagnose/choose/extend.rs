@@ -10,7 +10,7 @@ use super::found::Chosen;
 use crate::error::Result;
 use crate::identify::Campaign;
 use crate::machine::Machine;
-use crate::model::{Form, Held};
+use crate::model::{Form, HeldEffect};
 use crate::plan::Test;
 use crate::residual::{self, Beside, Column, Element, Fitted, Owner, Residuals};
 
@@ -90,8 +90,8 @@ fn sum(fitted: &Fitted, about: &Residuals) -> Column {
 }
 
 /// The effects as each repeat has them.
-fn held(campaign: &Campaign, fitted: &Fitted) -> Vec<Vec<Held>> {
-    let mut held: Vec<Vec<Held>> = vec![Vec::new(); campaign.repeats.len()];
+fn held(campaign: &Campaign, fitted: &Fitted) -> Vec<Vec<HeldEffect>> {
+    let mut held: Vec<Vec<HeldEffect>> = vec![Vec::new(); campaign.repeats.len()];
     for (element, amplitudes) in fitted.elements.iter().zip(&fitted.amplitudes) {
         let count = element.term().parameter_count();
         let mut own = amplitudes.chunks(count);
@@ -101,7 +101,7 @@ fn held(campaign: &Campaign, fitted: &Fitted) -> Vec<Vec<Held>> {
                 let mut by_mounting = vec![Vec::new(); mountings];
                 by_mounting[input.mounting] = of_run(element, index, run, amplitudes, &mut own);
                 let form = element.in_run(index, run);
-                held[index].push(Held { form, amplitudes: by_mounting });
+                held[index].push(HeldEffect { form, amplitudes: by_mounting });
             }
         }
     }

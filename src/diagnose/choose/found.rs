@@ -14,7 +14,8 @@ pub struct Rival {
     /// What it explains of what the named one does.
     pub share: f64,
     /// How far these runs tell them apart.
-    pub told: Told,
+    #[serde(rename = "told")]
+    pub separation: Separation,
 }
 
 impl Rival {
@@ -34,7 +35,7 @@ fn name<S: Serializer>(element: &Element, serializer: S) -> Result<S::Ok, S::Err
 /// Whether two explanations can be told apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Told {
+pub enum Separation {
     /// They are the same in these runs, whatever the noise.
     Same,
     /// They differ by less than the noise does.

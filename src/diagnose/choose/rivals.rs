@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use super::found::{Rival, Told};
+use super::found::{Rival, Separation};
 use super::search::Search;
 use crate::diagnose::thresholds::{ONE_NUMBER, SAME, UNDECIDED_SIGMAS, threshold_mm2};
 use crate::model::{Component, Inner, Seat, Start};
@@ -37,17 +37,19 @@ impl Search<'_> {
             }
             let trace = other.fitted.outside(&prospect.beside);
             let less_mm2 = duel.less_mm2(&other.fitted);
-            let told = duel.told(&trace, less_mm2);
-            let preferred = match told {
-                Told::Same | Told::Undecided => simpler(rival, element) == Ordering::Less,
-                Told::Apart => less_mm2 < 0.0,
+            let separation = duel.separation(&trace, less_mm2);
+            let preferred = match separation {
+                Separation::Same | Separation::Undecided => {
+                    simpler(rival, element) == Ordering::Less
+                }
+                Separation::Apart => less_mm2 < 0.0,
             };
             // Of what hardly differs, the one that is named first, and never back again.
             if preferred && better.as_ref().is_none_or(|b| simpler(rival, b) == Ordering::Less) {
                 better = Some(rival.clone());
             }
             let share = other.fitted.gain_mm2 / own.gain_mm2;
-            rivals.push(Rival { element: rival.clone(), share, told });
+            rivals.push(Rival { element: rival.clone(), share, separation });
         }
         let better = better.and_then(|instead| {
             let mut elements = fitted.elements.clone();
@@ -76,17 +78,17 @@ impl Duel<'_> {
 
     /// Whether these runs tell another one apart, which explains so much less: with traces `t` and `t'` the
     /// difference of the gains has the standard deviation `2 sqrt(v) |t - t'|`.
-    fn told(&self, trace: &Column, less_mm2: f64) -> Told {
+    fn separation(&self, trace: &Column, less_mm2: f64) -> Separation {
         let mut apart = self.trace.clone();
         apart.add(-1.0, trace);
         let apart_mm2 = apart.square();
         let doubt_mm2 = UNDECIDED_SIGMAS * 2.0 * (self.noise.long_run_mm2 * apart_mm2).sqrt();
         if apart_mm2 < SAME * self.trace.product(&self.trace) {
-            Told::Same
+            Separation::Same
         } else if less_mm2.abs() < doubt_mm2 {
-            Told::Undecided
+            Separation::Undecided
         } else {
-            Told::Apart
+            Separation::Apart
         }
     }
 }

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::diagnose::seek::candidate::{Candidate, Tried};
 use crate::diagnose::seek::screen::{Prospect, Screen};
 use crate::diagnose::seek::{curves, vibration};
-use crate::diagnose::thresholds::{OF_A_CURVE, SEEN, SHADOW, threshold_mm2};
+use crate::diagnose::thresholds::{OF_A_CURVE, SHADOW, SHOWS, threshold_mm2};
 use crate::identify::Campaign;
 use crate::residual::{self, Beside, Element, Fitted, Noise, Owner, Residuals, Tuning};
 
@@ -162,7 +162,7 @@ fn closely(beside: &Beside, mut candidates: Vec<Candidate>, least_mm2: f64) -> V
         .into_par_iter()
         .filter_map(|candidate| {
             let fitted = residual::fit(beside, vec![candidate.element])?;
-            let shows = fitted.share_outside > SEEN;
+            let shows = fitted.share_outside > SHOWS;
             (shows && fitted.elements[0].possible(beside.residuals)).then_some(fitted)
         })
         .collect();

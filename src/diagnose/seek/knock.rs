@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
-use crate::diagnose::thresholds::SEEN;
+use crate::diagnose::thresholds::SHOWS;
 use crate::model::{Cause, Form, Runs, Seat, Shape};
 use crate::residual::{Beside, Element, Owner};
 use crate::solve::dot;
@@ -76,7 +76,7 @@ fn best_moment(beside: &Beside, runs: &[(usize, usize)], step: &Shape) -> Option
         common += worth * beside.left_mm[repeat][k];
         let left = squares - followed.iter().sum::<f64>() - dot(&along_span, &along_span);
         let inside = later + 1 >= few && samples.len() - later > few;
-        if inside && left > SEEN * squares {
+        if inside && left > SHOWS * squares {
             let gain = common * common / left;
             if best.is_none_or(|(_, most)| gain > most) {
                 best = Some((later, gain));

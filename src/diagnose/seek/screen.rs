@@ -9,7 +9,7 @@ use super::channel::{Channel, Look};
 use super::curves;
 use super::knock;
 use super::vibration;
-use crate::diagnose::thresholds::SEEN;
+use crate::diagnose::thresholds::SHOWS;
 use crate::identify::Campaign;
 use crate::machine::Axis;
 use crate::model::{
@@ -96,7 +96,7 @@ impl Screen {
                 let element = Element::shared(shape);
                 let system = System::of(alone, &element);
                 // What the model follows never shows.
-                (system.share_outside() > SEEN).then_some((element, system))
+                (system.share_outside() > SHOWS).then_some((element, system))
             })
             .collect();
         Self { channels: channels.into_iter().flatten().collect(), direct }
@@ -200,7 +200,7 @@ fn of_cause(cause: &'static Cause, channel: &Look) -> Vec<Candidate> {
     let explained = |inner: Option<f64>| {
         let over = channel.centers.iter().map(|v| f(*v, inner.unwrap_or(0.0))).collect();
         let explained = channel.explained(&[over], 0.0)?;
-        (explained.share_outside > SEEN).then_some((inner, explained.gain_mm2))
+        (explained.share_outside > SHOWS).then_some((inner, explained.gain_mm2))
     };
     let candidate = |(inner, gain_mm2): (Option<f64>, f64)| {
         let shape = Shape { cause, seat, inner };
@@ -271,7 +271,7 @@ fn cyclic(cause: &'static Cause, channel: &Look) -> Vec<Candidate> {
             let number = 0.8 / way_mm + k as f64 * step;
             let explained = channel.explained(&waves(number), 1e-6)?;
             let shape = Shape { cause, seat: channel.of.seat, inner: Some(number.recip()) };
-            (explained.share_outside > SEEN).then_some(Candidate {
+            (explained.share_outside > SHOWS).then_some(Candidate {
                 element: Element::shared(shape),
                 gain_mm2: explained.gain_mm2,
             })

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::sample::Shown;
-use super::view::{Bin, Kind, Subject, View};
+use super::view::{Bin, Subject, View, ViewKind};
 use crate::machine::Axis;
 use crate::model::Variable;
 
@@ -150,7 +150,7 @@ pub(crate) fn views(all: &[Shown], circles: &[String], long_run_mm2: f64) -> Vec
                 variable: against.name(circles),
                 counted,
                 unit: against.unit(),
-                kind: Kind::Means,
+                kind: ViewKind::Means,
                 bins: sums.bins(width, long_run_mm2),
                 share_before,
                 share_after,

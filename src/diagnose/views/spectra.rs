@@ -11,7 +11,7 @@ use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 
 use super::sample::Shown;
-use super::view::{Bin, Kind, Subject, View};
+use super::view::{Bin, Subject, View, ViewKind};
 use crate::machine::Axis;
 use crate::solve::median;
 
@@ -96,7 +96,7 @@ fn in_position(
         variable: format!("spectrum over the position of {of}"),
         counted: format!("along {along}"),
         unit: "1/mm",
-        kind: Kind::Spectrum,
+        kind: ViewKind::Spectrum,
         bins,
         share_before: gain_before / squares(|s| s.before_mm).max(f64::MIN_POSITIVE),
         share_after: gain_after / squares(|s| s.after_mm).max(f64::MIN_POSITIVE),
@@ -237,7 +237,7 @@ fn of_rate(runs: &[&[Shown]], period_s: f64, long_run_mm2: f64) -> Option<View> 
         variable: "spectrum in time".into(),
         counted: format!("read at {:.0} Hz", 1.0 / period_s),
         unit: "Hz",
-        kind: Kind::Spectrum,
+        kind: ViewKind::Spectrum,
         bins: shown(&parts, step, first, last, long_run_mm2),
         share_before: gain.0 / squares(|s| s.before_mm).max(f64::MIN_POSITIVE),
         share_after: gain.1 / squares(|s| s.after_mm).max(f64::MIN_POSITIVE),

@@ -51,7 +51,7 @@ pub enum Subject {
 /// What the values of a view are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Kind {
+pub enum ViewKind {
     /// Means over stretches.
     Means,
     /// Amplitudes over a wave number or a frequency.
@@ -76,7 +76,7 @@ pub struct View {
     /// Unit of the variable: `mm`, `s`, `deg`, `mm/s`, `mm/min`, `1/mm` or `Hz`.
     pub unit: &'static str,
     /// Means or amplitudes.
-    pub kind: Kind,
+    pub kind: ViewKind,
     /// Share of the variance before that it foretells; below 0 by chance.
     pub share_before: f64,
     /// The same of the variance after.

@@ -16,7 +16,7 @@ use crate::report::text::numbers::{finite, without_dust};
 use crate::solve::Matrix;
 
 /// Name and version of the format.
-const FORMAT: &str = "ballbar.analysis/1";
+const FORMAT: &str = "ballbar.analysis/2";
 /// Lags of the residuals' autocorrelation that are told.
 const LAGS: usize = 9;
 /// Estimates that hang together more closely than this are told as a pair.

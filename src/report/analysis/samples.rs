@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use crate::align::{Alignment, Place, Sample};
+use crate::align::{Alignment, Part, Sample};
 use crate::error::{Error, Kind, Result};
 use crate::identify::{Apart, IdentifiedRun, Record};
 use crate::report::text::numbers::fixed;
@@ -43,16 +43,16 @@ fn write_lines(
 }
 
 fn aligned(alignment: &Alignment, sample: &Sample) -> String {
-    let (place, arc, angle) = match sample.place {
-        Place::Arc(index) => {
+    let (place, arc, angle) = match sample.part {
+        Part::Arc(index) => {
             let section = &alignment.sections[index];
             let ball = sample.pose.position_mm - alignment.coincidence_mm();
             let angle_deg = section.circle.angle_rad(&ball).to_degrees();
             ("arc", quoted(&section.name), fixed(angle_deg, 5))
         }
-        Place::Ramp => ("ramp", String::new(), String::new()),
-        Place::Dwell => ("dwell", String::new(), String::new()),
-        Place::Stop => ("stop", String::new(), String::new()),
+        Part::Ramp => ("ramp", String::new(), String::new()),
+        Part::Dwell => ("dwell", String::new(), String::new()),
+        Part::Stop => ("stop", String::new(), String::new()),
     };
     let sigma = if sample.time_sigma_s.is_finite() {
         fixed(sample.time_sigma_s * 1e3, 4)

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::facts::Analysis;
-use crate::align::{Circle, Place};
+use crate::align::{Circle, Part};
 use crate::identify::{Identification, IdentifiedRun};
 use crate::log::Log;
 
@@ -90,7 +90,7 @@ pub(super) fn circles(analysis: &Analysis, identifications: &[Identification]) -
                 let mut last_s = f64::NEG_INFINITY;
                 for record in &run.records {
                     let sample = &record.sample;
-                    if sample.place != Place::Arc(index) || record.rejected() {
+                    if sample.part != Part::Arc(index) || record.rejected() {
                         continue;
                     }
                     let ball = sample.pose.position_mm - run.alignment.coincidence_mm();

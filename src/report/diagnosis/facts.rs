@@ -82,7 +82,8 @@ pub struct FindingFacts {
     /// Its numbers.
     pub numbers: Vec<Number>,
     /// The numbers, in words.
-    pub told: String,
+    #[serde(rename = "told")]
+    pub in_words: String,
     /// What follows from them, in sentences.
     pub remarks: Vec<String>,
     /// Root mean square of what it leaves in the residuals of the model, mm.

@@ -1,7 +1,7 @@
 //! Pictures before and after.
 
 use super::facts::{DiagnosisFacts, FindingFacts};
-use crate::diagnose::{Bin, Kind, Picture, View};
+use crate::diagnose::{Bin, Picture, View, ViewKind};
 use crate::report::draw::chart::{Axis, Chart};
 use crate::report::draw::svg::text_width;
 use crate::report::draw::ticks::enclosing;
@@ -29,7 +29,7 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
 /// A view: before in grey, after in colour with its band.
 pub(super) fn view(of: &View) -> String {
     let bins = &of.bins;
-    let spectrum = of.kind == Kind::Spectrum;
+    let spectrum = of.kind == ViewKind::Spectrum;
     let values = bins.iter().flat_map(|bin| [bin.before_mm * UM, bin.after_mm * UM]);
     let bands = bins.iter().flat_map(|bin| {
         let half = BAND * (bin.sigma_mm * UM);

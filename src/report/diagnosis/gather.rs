@@ -7,7 +7,7 @@ use super::owner::OwnerFacts;
 use super::settings::WrongSettingFacts;
 use super::verdict::VerdictFacts;
 use super::{views, words};
-use crate::diagnose::{Diagnosis, Feature, Finding, Owner, Picture, Rival, Told};
+use crate::diagnose::{Diagnosis, Feature, Finding, Owner, Picture, Rival, Separation};
 use crate::identify::Identification;
 use crate::machine::Machine;
 use crate::model::Seat;
@@ -30,7 +30,6 @@ impl DiagnosisFacts {
         let findings = diagnosis.findings.iter().zip(pictures).map(|(of, picture)| {
             finding(of, picture, diagnosis.verdict.after_mm, machine, identifications)
         });
-        let unseen = diagnosis.unseen.iter().cloned().chain(unseen(diagnosis, identifications));
         // What the amplitudes do not know may hide the whole move.
         let moved = diagnosis
             .moved
@@ -51,7 +50,7 @@ impl DiagnosisFacts {
             moved: moved.cloned().collect(),
             views: views::told(&diagnosis.views),
             arcs: diagnosis.arcs.clone(),
-            unseen: unseen.collect(),
+            unseen: diagnosis.unseen.clone(),
             wrong_settings,
             off_times: diagnosis.off_times.clone(),
             left_out: diagnosis.left_out.clone(),
@@ -76,7 +75,7 @@ fn finding(
         named: of.named(),
         owner: OwnerFacts::new(of.owner(), identifications),
         effects: of.effects.clone(),
-        told: match &feature {
+        in_words: match &feature {
             Some(feature) => described(of, feature),
             None => words::numbers(&of.numbers),
         },
@@ -159,54 +158,14 @@ fn described(of: &Finding, feature: &Feature) -> String {
 
 /// What cannot be told apart first, and of each name once.
 fn rivals(of: &[Rival]) -> Vec<Rival> {
-    let order = |rival: &Rival| match rival.told {
-        Told::Same => 0,
-        Told::Undecided => 1,
-        Told::Apart => 2,
+    let order = |rival: &Rival| match rival.separation {
+        Separation::Same => 0,
+        Separation::Undecided => 1,
+        Separation::Apart => 2,
     };
     let mut sorted: Vec<&Rival> = of.iter().filter(|of| of.element.shape().is_some()).collect();
     sorted.sort_by(|a, b| order(a).cmp(&order(b)).then(b.share.total_cmp(&a.share)));
     let mut names = BTreeSet::new();
     sorted.retain(|rival| names.insert(rival.name()));
     sorted.into_iter().take(MOST_RIVALS).cloned().collect()
-}
-
-/// What the number of runs, feeds and mountings alone hides.
-fn unseen(diagnosis: &Diagnosis, identifications: &[Identification]) -> Vec<String> {
-    let mut told = Vec::new();
-    if identifications.len() == 1 {
-        told.push(
-            "Only one repeat: an effect of this repeat alone cannot be distinguished from a lasting one. The gain is that of the fit itself, not of a run that was not fitted.".to_owned(),
-        );
-    }
-    if diagnosis.verdict.structure_before.is_none() {
-        told.push(
-            "No program ran twice: the repeatable part of the residual cannot be distinguished from slow noise. The part that is not repeatable is taken from the fit.".to_owned(),
-        );
-    }
-    let feeds: BTreeSet<i64> = identifications
-        .iter()
-        .flat_map(|identification| &identification.runs)
-        .flat_map(|run| &run.alignment.sections)
-        .filter(|section| !section.transit)
-        .map(|section| section.feed_mm_s.round() as i64)
-        .collect();
-    if feeds.len() == 1 {
-        told.push(
-            "All arcs have one feed: effects of time or speed (following error, reversal spikes, vibration) differ from effects of position by their shape only. A second feed would separate them."
-                .to_owned(),
-        );
-    }
-    let mountings: BTreeSet<usize> = identifications
-        .iter()
-        .flat_map(|identification| &identification.runs)
-        .map(|run| run.mounting)
-        .collect();
-    if mountings.len() == 1 {
-        told.push(
-            "Only one mounting: an angular error of an axis differs from the straightness or positioning error that it causes at the balls by the levers within the sphere only. Another tool length or place would separate them."
-                .to_owned(),
-        );
-    }
-    told
 }

@@ -17,7 +17,7 @@ const UM: f64 = 1e3;
 struct Section<'a> {
     facts: &'a DiagnosisFacts,
     verdict: Vec<String>,
-    findings: Vec<Told<'a>>,
+    findings: Vec<FindingRow<'a>>,
     gains: Option<String>,
     runs: Vec<[String; 6]>,
     programs: Vec<[String; 4]>,
@@ -28,7 +28,7 @@ struct Section<'a> {
 }
 
 /// A finding with its picture.
-struct Told<'a> {
+struct FindingRow<'a> {
     facts: &'a FindingFacts,
     numbers: String,
     size: String,
@@ -67,9 +67,9 @@ pub(in crate::report) fn section(facts: &DiagnosisFacts) -> Result<String> {
     })
 }
 
-fn told(finding: &FindingFacts) -> Told<'_> {
-    Told {
-        numbers: typeset_minus(&fine(&finding.told)),
+fn told(finding: &FindingFacts) -> FindingRow<'_> {
+    FindingRow {
+        numbers: typeset_minus(&fine(&finding.in_words)),
         size: fixed(finding.rms_mm * UM, 3),
         others: terminal::others(finding),
         picture: finding.picture.as_ref().map(|picture| figures::picture(finding, picture)),

@@ -14,12 +14,12 @@ pub struct WrongSettingFacts {
     /// Which setting.
     pub setting: WrongSetting,
     /// How it is in truth, in words.
-    pub told: String,
+    pub in_words: String,
 }
 
 impl WrongSettingFacts {
     pub(super) fn new(setting: &WrongSetting, machine: &Machine) -> Self {
-        Self { setting: setting.clone(), told: told(setting, machine) }
+        Self { setting: setting.clone(), in_words: in_words(setting, machine) }
     }
 }
 
@@ -31,7 +31,7 @@ impl Serialize for WrongSettingFacts {
         fields.serialize_field("cause", effect.cause.id)?;
         fields.serialize_field("effect", &effect.to_string())?;
         fields.serialize_field("on", &effect.seat.to_string())?;
-        fields.serialize_field("told", &self.told)?;
+        fields.serialize_field("told", &self.in_words)?;
         fields.serialize_field("before_um", &(self.setting.before_mm * UM))?;
         fields.serialize_field("after_um", &(self.setting.after_mm * UM))?;
         fields.end()
@@ -39,7 +39,7 @@ impl Serialize for WrongSettingFacts {
 }
 
 /// What a file states wrong, and what to write instead.
-fn told(wrong: &WrongSetting, machine: &Machine) -> String {
+fn in_words(wrong: &WrongSetting, machine: &Machine) -> String {
     match wrong.effect.seat {
         Seat::Slide(slide) => {
             let (is, instead) = match machine.slide(slide).pivot {

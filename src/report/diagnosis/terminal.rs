@@ -2,7 +2,7 @@
 
 use super::facts::{DiagnosisFacts, FindingFacts};
 use super::words::shortened;
-use crate::diagnose::{Rival, Told};
+use crate::diagnose::{Rival, Separation};
 use crate::report::text::layout::{paragraph, table};
 use crate::report::text::numbers::{fixed, percent};
 use crate::report::text::units::{engineering, row_decimals};
@@ -65,11 +65,11 @@ pub(in crate::report) fn in_short(facts: &DiagnosisFacts) -> String {
 pub(super) fn headline(finding: &FindingFacts) -> String {
     if finding.named {
         let size = format!("{} um rms of the residual", fixed(finding.rms_mm * UM, 3));
-        let parts = [finding.told.as_str(), &size];
+        let parts = [finding.in_words.as_str(), &size];
         let parts: Vec<&str> = parts.into_iter().filter(|part| !part.is_empty()).collect();
         format!("{}: {}.", finding.title, parts.join("; "))
     } else {
-        format!("{}: {}.", finding.title, finding.told)
+        format!("{}: {}.", finding.title, finding.in_words)
     }
 }
 
@@ -106,20 +106,20 @@ fn full(text: &mut String, number: usize, finding: &FindingFacts) {
 
 /// What else it could be, in sentences.
 pub(super) fn others(finding: &FindingFacts) -> Vec<String> {
-    let of = |told: Told| -> Vec<&Rival> {
-        finding.rivals.iter().filter(|rival| rival.told == told).collect()
+    let of = |separation: Separation| -> Vec<&Rival> {
+        finding.rivals.iter().filter(|rival| rival.separation == separation).collect()
     };
     let names =
         |rivals: &[&Rival]| rivals.iter().map(|rival| rival.name()).collect::<Vec<_>>().join(", ");
     let mut told = Vec::new();
-    let same = of(Told::Same);
+    let same = of(Separation::Same);
     if !same.is_empty() {
         told.push(format!(
             "Cannot be distinguished from {} with these runs: the readings would be the same.",
             names(&same)
         ));
     }
-    let undecided = of(Told::Undecided);
+    let undecided = of(Separation::Undecided);
     if let Some(first) = undecided.first() {
         told.push(format!(
             "Not distinguished within the noise: {} (explains {} % of the same).",
@@ -127,7 +127,7 @@ pub(super) fn others(finding: &FindingFacts) -> Vec<String> {
             percent_of(first)
         ));
     }
-    if let Some(next) = of(Told::Apart).first() {
+    if let Some(next) = of(Separation::Apart).first() {
         told.push(format!(
             "Next best: {} explains {} % of the same.",
             next.name(),

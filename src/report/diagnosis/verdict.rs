@@ -131,7 +131,7 @@ fn explained(all: &Verdict, runs: usize) -> Option<String> {
 fn setting(of: &WrongSettingFacts) -> String {
     format!(
         "{}. With this correction the residual is {} um rms instead of {} um rms. All that follows includes the correction.",
-        of.told,
+        of.in_words,
         um(of.setting.after_mm),
         um(of.setting.before_mm)
     )

@@ -16,10 +16,15 @@ const LANE: f64 = 3.0;
 const SPEED_POINTS: usize = 2400;
 
 /// How a unit vector is seen: right, up, and towards the eye.
-type Seen = dyn Fn(&Vector3<f64>) -> (f64, f64, f64);
+type Projection = dyn Fn(&Vector3<f64>) -> (f64, f64, f64);
 
 /// One view.
-pub(super) fn view(legs: &[Leg], radial: &[Vec<Vector3<f64>>], seen: &Seen, told: &str) -> String {
+pub(super) fn view(
+    legs: &[Leg],
+    radial: &[Vec<Vector3<f64>>],
+    seen: &Projection,
+    told: &str,
+) -> String {
     let mut drawing = Drawing::new(VIEW, VIEW);
     let centre = VIEW / 2.0;
     drawing.circle((centre, centre), RADIUS, "globe");

@@ -190,7 +190,7 @@ pub(in crate::report) fn autocorrelation(
         let longest_s = Log::GAP_PERIODS * run.alignment.sample_period_s;
         let used: Vec<&Record> = run.used().filter(|record| !record.rejected()).collect();
         let together = |a: &&Record, b: &&Record| {
-            a.sample.place == b.sample.place && b.sample.log_s - a.sample.log_s <= longest_s
+            a.sample.part == b.sample.part && b.sample.log_s - a.sample.log_s <= longest_s
         };
         for piece in used.chunk_by(together) {
             let values: Vec<f64> = piece.iter().map(|record| record.residual_mm * 1e3).collect();
