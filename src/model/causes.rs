@@ -1,7 +1,5 @@
 //! The table of all causes.
 
-use std::f64::INFINITY;
-
 use super::cause::{Cause, Runs};
 use super::key::{AMPLITUDE, DEGREE, Key, MOUNTING, Measure, ORDER, PHASE, RUN};
 use super::law::{Inner, Law, Over, Scale, Start};
@@ -42,7 +40,7 @@ const STEP: fn(f64, f64) -> f64 = |t, moment| if t > moment { 1.0 } else { 0.0 }
 
 /// An inner number that nothing bounds but the limits of its key.
 const fn inner(key: &'static str, scale: Option<Scale>, start: Start) -> Inner {
-    Inner { key, scale, start, part_of_way: INFINITY }
+    Inner { key, scale, start, part_of_way: f64::INFINITY }
 }
 
 /// Waves longer than this are smooth: of such, several make any curve. By trial; screws have pitches up to 20 mm.

@@ -11,24 +11,34 @@ use crate::solve::dot;
 /// A step needs so many samples of a run on either side, or it is a reading that went wrong.
 const FEWEST: usize = 20;
 
+/// Runs that have a step in common: repeat and run of each.
+struct Group {
+    owner: Owner,
+    runs: Vec<(usize, usize)>,
+}
+
 /// The best moment of every ball and, where each run has its own, every run.
 pub(crate) fn candidates(cause: &'static Cause, beside: &Beside) -> Vec<Candidate> {
     let runs: Vec<(usize, usize)> = beside.residuals.runs().collect();
-    let groups: Vec<(Owner, Vec<(usize, usize)>)> = match cause.runs {
-        Runs::One => {
-            let alone = |&(repeat, run)| (Owner::One { repeat, run }, vec![(repeat, run)]);
-            runs.iter().map(alone).collect()
-        }
-        Runs::Alike => vec![(Owner::All, runs)],
-        Runs::Each => vec![(Owner::EachRun, runs)],
+    let groups: Vec<Group> = match cause.runs {
+        Runs::One => runs
+            .iter()
+            .map(|&(repeat, run)| Group {
+                owner: Owner::One { repeat, run },
+                runs: vec![(repeat, run)],
+            })
+            .collect(),
+        Runs::Alike => vec![Group { owner: Owner::All, runs }],
+        Runs::Each => vec![Group { owner: Owner::EachRun, runs }],
     };
     let seats = cause.seats();
-    let places: Vec<(&(Owner, Vec<(usize, usize)>), Seat)> =
-        groups.iter().flat_map(|group| seats.iter().map(move |seat| (group, *seat))).collect();
+    let each = |group: usize| seats.iter().map(move |seat| (group, *seat));
+    let places: Vec<(usize, Seat)> = (0..groups.len()).flat_map(each).collect();
     let found: Vec<Option<Candidate>> = places
         .par_iter()
-        .map(|((owner, runs), seat)| {
-            let at_once = Shape { cause, seat: *seat, inner: Some(0.0) };
+        .map(|&(group, seat)| {
+            let Group { owner, runs } = &groups[group];
+            let at_once = Shape { cause, seat, inner: Some(0.0) };
             let (moment_s, gain_mm2) = best_moment(beside, runs, &at_once)?;
             let shape = Shape { inner: Some(moment_s), ..at_once };
             let element = Element::new(Form::Cause(shape), *owner);
