@@ -16,10 +16,12 @@ mod chain;
 mod clearance;
 mod file;
 mod inverse;
+mod plausible;
 mod topology;
 
 pub use axis::Axis;
 pub use chain::{ChainErrors, Mounting, Pose, SlideError};
 pub use clearance::{Clearance, Cylinder};
 pub use file::{Controller, Dialect, Machine, Pivot, Slide};
+pub use plausible::Plausible;
 pub use topology::{Side, Topology};

@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 
 use super::coefficient::{Ball, Coefficient, SetUp};
 use super::jacobian::Situation;
+use super::local::Local;
 use super::motion::Motion;
 use crate::machine::{Axis, ChainErrors, Machine, Mounting, Pose};
 
@@ -16,6 +17,8 @@ pub enum ParameterId {
     Coefficient(Coefficient),
     /// A set-up error of the mounting with this index.
     SetUp(SetUp, usize),
+    /// An error about the middle of a test.
+    Local(Local),
     /// An amplitude of an effect.
     Amplitude,
 }
@@ -25,7 +28,7 @@ impl ParameterId {
     pub fn coefficient(self) -> Option<Coefficient> {
         match self {
             Self::Coefficient(of) => Some(of),
-            Self::SetUp(..) | Self::Amplitude => None,
+            Self::SetUp(..) | Self::Local(_) | Self::Amplitude => None,
         }
     }
 
@@ -33,7 +36,7 @@ impl ParameterId {
     pub fn set_up(self) -> Option<(SetUp, usize)> {
         match self {
             Self::SetUp(of, mounting) => Some((of, mounting)),
-            Self::Coefficient(_) | Self::Amplitude => None,
+            Self::Coefficient(_) | Self::Local(_) | Self::Amplitude => None,
         }
     }
 }
@@ -54,7 +57,9 @@ impl Parameter {
     pub fn bare_name(&self) -> String {
         match self.id {
             ParameterId::SetUp(of, _) => of.to_string(),
-            ParameterId::Coefficient(_) | ParameterId::Amplitude => self.name.clone(),
+            ParameterId::Coefficient(_) | ParameterId::Local(_) | ParameterId::Amplitude => {
+                self.name.clone()
+            }
         }
     }
 }

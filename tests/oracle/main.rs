@@ -19,6 +19,7 @@ mod common;
 mod determinism;
 mod dual_chain;
 mod kinematics;
+mod local;
 mod ranks;
 mod refusal;
 mod truth;
