@@ -184,8 +184,16 @@ impl Effect {
         let keys = cause.keys.iter().map(|key| format!("{}=...", key.written(seat)));
         let on = Some(on.to_owned()).filter(|on| !on.is_empty());
         let parts: Vec<String> = on.into_iter().chain(keys).collect();
+        let angle = Seat::parse("EBX").unwrap_or(seat);
+        let of_an_angle: Vec<String> = cause
+            .keys
+            .iter()
+            .filter(|key| key.unit(angle) != key.unit(seat))
+            .map(|key| format!("; on an angular function `{}`", key.written(angle)))
+            .collect();
+        let of_an_angle = of_an_angle.concat();
         let or = match cause.seat {
-            SeatKind::Function => "; angular functions take urad",
+            SeatKind::Function => &of_an_angle,
             SeatKind::Slides => "; without `on`, all axes alike",
             SeatKind::Body => "; on a ball, a scale such as EXX1 (um_m) or the bar",
             SeatKind::Reading => "; on EXt, EYt, EZt or bar",
