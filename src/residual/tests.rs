@@ -155,3 +155,22 @@ fn what_repeats_is_told_from_what_does_not() {
     assert!(left.variance_mm2.abs() < 4.0 * left.sigma_mm2, "{left:?}");
     assert!(structure(&residuals, &residuals.model_mm, |_| false).is_none());
 }
+
+/// How a vibration differs from run to run was once kept with the residuals, and what was tuned while a setting
+/// was tried stayed tuned in the main search.
+#[test]
+fn a_tuned_vibration_tunes_no_other() {
+    let residuals = residuals(3, white(12, NOISE_MM));
+    let vibration = element("vibration:on=EXt,frequency_hz=2.3");
+    let plain = Element { owner: Owner::EachRun, ..vibration };
+    let before = plain.columns(&residuals);
+    let tuning = Tuning::of(vec![vec![1.0004], vec![0.9997], vec![1.0]]);
+    let tuned = Element { tuning, ..plain.clone() };
+    let fitted = fit(&residuals.alone(), vec![tuned.clone()]).unwrap();
+    assert_eq!(fitted.elements[0].tuning, tuned.tuning);
+    assert_eq!(plain.columns(&residuals), before);
+    // Sine and cosine of each run: those of the third, which is not tuned, are the same.
+    let of_tuned = tuned.columns(&residuals);
+    assert_ne!(of_tuned[..4], before[..4]);
+    assert_eq!(of_tuned[4..], before[4..]);
+}
