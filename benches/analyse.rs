@@ -26,11 +26,12 @@ fn five_runs_reports_included() -> usize {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/hu40t/test.toml");
     let test = Test::read(&file).unwrap();
     let machine = test.machine().unwrap();
-    let repeats = Campaign::of(&test, &machine, Failure::Refuse, &|| ()).unwrap().repeats;
-    let analysis = Analysis::new(&test, &machine, &repeats);
+    let campaign = Campaign::of(&test, &machine, Failure::Refuse, &|| ()).unwrap();
+    let repeats = &campaign.repeats;
+    let analysis = Analysis::new(&test, &machine, &campaign);
     let mut bytes = analysis.to_json().unwrap().len();
-    bytes += report::html::render(&analysis, &repeats).unwrap().len();
-    for repeat in &repeats {
+    bytes += report::html::render(&analysis, repeats).unwrap().len();
+    for repeat in repeats {
         for run in &repeat.runs {
             let mut text = Vec::new();
             report::write_samples(&mut text, run).unwrap();

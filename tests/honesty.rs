@@ -109,7 +109,7 @@ fn ratios(bench: &Bench, scenario: &Scenario) -> ballbar::Result<Ratios> {
         .filter(|section| !section.transit)
         .map(|section| {
             let leg = map.leg_of(section.start_s + 1e-6);
-            let log_s = run.clock.log_time_s(section.start_s, leg);
+            let log_s = run.clock.log_time_s(section.start_s, map.pauses_before(leg));
             let error_s = map.on_leg_s(log_s, leg) - section.start_s;
             (error_s / map.sigma_s(log_s, leg), error_s)
         })

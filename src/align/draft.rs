@@ -6,10 +6,10 @@ use super::engagement::{self, Engagement};
 use super::ramp::{self, Mark, MarkKind};
 use super::run::Run;
 use super::samples::Alignment;
-use super::time_map::TimeMap;
-use super::{section, stops};
+use super::time_map::{Break, TimeMap};
+use super::{section, stops, window};
 use crate::error::Result;
-use crate::log::Log;
+use crate::log::{Log, Reading};
 use crate::motion::{Reversals, Trajectory};
 
 /// Standard deviation of an offset that was found from standstill alone, s.
@@ -36,14 +36,17 @@ impl Draft {
         let engagements = engagement::expected(&trajectory, &run.rig);
         let stretches =
             engagement::pair(run.log, &engagements, observed, &trajectory, run.feed_override)?;
-        let mut time_map = TimeMap::new(&trajectory, middle_s(run.log, &stretches));
+        let first_s = engagements.first().map_or(0.0, |e| e.start_s);
+        let last_s = engagements.last().map_or(0.0, |e| e.end_s);
+        let pivot_s = middle_s(run.log, &stretches);
+        let mut time_map = TimeMap::new(&trajectory, first_s..last_s, pivot_s);
         let mut marks = Vec::new();
         for (stretch, engagement) in stretches.iter().zip(&engagements) {
             for kind in [MarkKind::Engagement, MarkKind::Release] {
                 marks.push(ramp::mark(run, &trajectory, engagement, stretch, kind));
             }
         }
-        time_map.fit_marks(&marks, run.rig.bar.clock_tolerance);
+        time_map.fit_marks(&marks, run.rig.bar.clock_tolerance)?;
         Ok(Self { trajectory, engagements, stretches, marks, time_map })
     }
 
@@ -61,19 +64,27 @@ impl Draft {
             .iter()
             .flat_map(|stretch| &run.log.readings()[stretch.clone()])
             .filter(|reading| reading.deviation_mm.is_some());
+        let readings: Vec<Reading> = readings.copied().collect();
+        let period_s = run.log.sample_period_s();
+        let averaged = window::readings(period_s);
         let first_s = run.log.readings().first().map_or(0.0, |reading| reading.time_s);
         let (began_log_s, began_sigma_s) = self.time_map.began(first_s);
+        let sections = section::sections(&self.trajectory, &run.rig);
         Alignment {
+            chord_sag_mm: section::chord_sag_mm(&self.trajectory, &sections, run.rig.bar.length_mm),
+            moving: section::moving(&self.trajectory, &sections),
             began_log_s,
             began_sigma_s,
             reversals: Reversals::of(&self.trajectory),
-            sections: section::sections(&self.trajectory, &run.rig),
-            readings: readings.copied().collect(),
+            sections,
+            windows: window::means(&readings, averaged, period_s),
+            averaged,
+            readings,
             trajectory: self.trajectory,
             time_map: self.time_map,
             marks: self.marks,
             engagements: self.engagements,
-            sample_period_s: run.log.sample_period_s(),
+            sample_period_s: averaged as f64 * period_s,
             coincidence_mm: run.rig.mounting.coincidence_mm,
         }
     }
@@ -100,27 +111,42 @@ fn find_pauses(
     if engagement.stops == 0 {
         return marks;
     }
-    let first_leg = time_map.leg_of(engagement.start_s);
-    let last_leg = first_leg + engagement.stops;
-    let inner: Vec<f64> = time_map.stops_s()[first_leg..last_leg].to_vec();
+    // The breaks inside the engagement, each with the leg that it ends.
+    let inside = engagement.start_s..engagement.end_s;
+    let inner: Vec<(usize, Break)> = time_map
+        .breaks()
+        .iter()
+        .copied()
+        .enumerate()
+        .filter(|(_, at)| inside.contains(&at.program_s))
+        .collect();
+    let operators = || inner.iter().filter(|(_, at)| at.operator);
     let edges: Vec<f64> = std::iter::once(engagement.start_s)
-        .chain(inner)
+        .chain(operators().map(|(_, at)| at.program_s))
         .chain(std::iter::once(engagement.end_s))
         .collect();
     let scale = 1.0 / (1.0 + time_map.rate);
     let stretches_s: Vec<f64> = edges.windows(2).map(|e| (e[1] - e[0]) * scale).collect();
+    let first_leg = time_map.leg_of(engagement.start_s);
+    let last_leg = time_map.leg_of(engagement.end_s);
     let start_s = time_map.log_time_s(engagement.start_s, first_leg);
     let end_s = time_map.log_time_s(engagement.end_s, last_leg);
     let lengths_s = stops::pauses_s(log, stretch, start_s, &stretches_s, end_s);
-    for (k, length_s) in lengths_s.iter().enumerate() {
-        let leg = first_leg + k + 1;
-        if leg < last_leg {
-            time_map.offsets_s[leg] = time_map.offsets_s[leg - 1] + length_s / scale;
-            time_map.offset_sigmas_s[leg] = STANDSTILL_SIGMA_S;
-            let program_s = time_map.stops_s()[leg - 1];
+    let last_stop = operators().map(|(leg, _)| *leg).max();
+    let mut lengths_s = lengths_s.into_iter();
+    for (leg, at) in &inner {
+        let (leg, next) = (*leg, leg + 1);
+        let length_s = if at.operator { lengths_s.next().unwrap_or(0.0) } else { 0.0 };
+        // What comes after the last pause hangs together with the release.
+        if time_map.offset_sigmas_s[next].is_finite() || Some(leg) == last_stop {
+            continue;
+        }
+        time_map.offsets_s[next] = time_map.offsets_s[leg] + length_s / scale;
+        time_map.offset_sigmas_s[next] = STANDSTILL_SIGMA_S;
+        if at.operator {
             marks.push(Mark {
-                log_s: time_map.log_time_s(program_s, leg),
-                program_s,
+                log_s: time_map.log_time_s(at.program_s, next),
+                program_s: at.program_s,
                 sigma_s: STANDSTILL_SIGMA_S,
                 kind: MarkKind::Standstill,
                 samples: 0,

@@ -49,7 +49,7 @@ fn at_real_feed(run: &Run, observed: &[Range<usize>]) -> Result<(Draft, Excess)>
             break;
         }
         // The clock's tolerance would hold the rate back.
-        draft.time_map.fit_marks(&draft.marks, f64::INFINITY);
+        draft.time_map.fit_marks_at_any_rate(&draft.marks)?;
         let (rate, rate_sigma) = (draft.time_map.rate, draft.time_map.rate_sigma);
         let total = draft.trajectory.duration();
         let share = total.known_s() / total.feed_s.max(1e-9);

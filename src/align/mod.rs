@@ -15,6 +15,7 @@
 
 mod draft;
 mod engagement;
+mod following;
 mod lay;
 mod ramp;
 mod run;
@@ -26,6 +27,7 @@ mod stops;
 #[allow(clippy::unwrap_used, clippy::panic)]
 mod tests;
 mod time_map;
+mod window;
 
 pub use engagement::{Engagement, Refusal};
 pub use lay::align;
@@ -34,4 +36,5 @@ pub use run::{Rig, Run};
 pub use samples::{Alignment, Part, Sample};
 pub use section::{Circle, Section};
 pub use steps::{ArcTime, TimeStep};
-pub use time_map::{Moment, TimeMap};
+pub use time_map::{Break, Moment, TimeMap};
+pub use window::averaged;

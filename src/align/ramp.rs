@@ -35,7 +35,7 @@ pub struct Mark {
 
 /// What the delays of two ramps differ by, s. Axes follow their commands late by some milliseconds; what all
 /// ramps of a leg have in common is another offset and does no harm, but other axes drive another ramp.
-const UNEQUAL_DELAY_S: f64 = 1e-3;
+pub(super) const UNEQUAL_DELAY_S: f64 = 1e-3;
 
 /// The mark of one end of an engagement, which the log shows as a stretch of readings.
 ///

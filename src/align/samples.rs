@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::engagement::Engagement;
+use super::following;
 use super::ramp::Mark;
 use super::section::Section;
 use super::time_map::TimeMap;
@@ -29,7 +30,7 @@ pub enum Part {
 pub struct Sample {
     /// Time on the instrument's clock, s.
     pub log_s: f64,
-    /// Line of the log.
+    /// Line of the log; of a mean its first one.
     pub line: usize,
     /// Program time, s, operator's pauses counted as zero.
     pub program_s: f64,
@@ -60,8 +61,14 @@ pub struct Alignment {
     pub engagements: Vec<Engagement>,
     /// The arcs.
     pub sections: Vec<Section>,
-    /// Sample period of the log, s.
+    /// Period of the samples, s.
     pub sample_period_s: f64,
+    /// How many readings of the log a sample is the mean of; at its edges and gaps it may be fewer.
+    pub averaged: usize,
+    /// Which slides move on the arcs.
+    pub moving: [bool; 3],
+    /// How far the chords of the arcs are off them, mm; 0 of a program of arcs.
+    pub chord_sag_mm: f64,
     /// When the program began, on the log's clock, s: half way between what the log allows where an
     /// operator's pause hides it.
     pub began_log_s: f64,
@@ -71,19 +78,34 @@ pub struct Alignment {
     pub(super) coincidence_mm: Vector3<f64>,
     /// Readings in engagements.
     pub(super) readings: Vec<Reading>,
+    /// Their means over windows: see [`Alignment::averaged`].
+    pub(super) windows: Vec<Reading>,
 }
 
 impl Alignment {
-    /// The readings where the time map, as it is now, lays them.
+    /// The readings, in a fast log their means, where the time map, as it is now, lays them.
     pub fn samples(&self) -> Vec<Sample> {
+        self.laid(&self.windows)
+    }
+
+    /// Every reading where the time map, as it is now, lays it.
+    pub fn every_reading(&self) -> Vec<Sample> {
+        self.laid(&self.readings)
+    }
+
+    fn laid(&self, readings: &[Reading]) -> Vec<Sample> {
         let (trajectory, time_map) = (&self.trajectory, &self.time_map);
-        let mut samples = Vec::with_capacity(self.readings.len());
-        for &Reading { time_s: log_s, deviation_mm, line } in &self.readings {
+        let mut samples = Vec::with_capacity(readings.len());
+        for &Reading { time_s: log_s, deviation_mm, line } in readings {
             let Some(deviation_mm) = deviation_mm else { continue };
             let moment = time_map.at(log_s);
             // In a pause the senses are still those of the motion before it.
             let before_s = if moment.in_stop { 1e-6 } else { 0.0 };
-            let state = trajectory.at(moment.program_s - before_s);
+            let mut state = trajectory.at(moment.program_s - before_s);
+            if !moment.in_stop {
+                state.position_mm = self.followed_mm(moment.program_s, time_map.following_s)
+                    - time_map.delays_s.component_mul(&state.velocity_mm_s);
+            }
             let part = if moment.in_stop {
                 Part::Stop
             } else if state.velocity_mm_s.norm() < 1e-9 {
@@ -120,6 +142,12 @@ impl Alignment {
         samples
     }
 
+    /// Where slides are at a program time that all follow the program alike with a time constant, mm; that they do so
+    /// late is in the offsets.
+    pub fn followed_mm(&self, program_s: f64, following_s: f64) -> Vector3<f64> {
+        following::at(&self.trajectory, program_s, following_s)
+    }
+
     /// Machine coordinates at which the ball centres coincide, mm.
     pub fn coincidence_mm(&self) -> &Vector3<f64> {
         &self.coincidence_mm
@@ -127,9 +155,8 @@ impl Alignment {
 
     /// Legs that have samples, in order.
     pub fn legs(&self) -> Vec<usize> {
-        let read = self.readings.iter().filter(|reading| reading.deviation_mm.is_some());
         let mut legs: Vec<usize> =
-            read.map(|reading| self.time_map.at(reading.time_s).leg).collect();
+            self.windows.iter().map(|reading| self.time_map.at(reading.time_s).leg).collect();
         legs.dedup();
         legs.sort_unstable();
         legs.dedup();

@@ -3,7 +3,8 @@
 use nalgebra::Vector3;
 
 use super::run::Rig;
-use crate::motion::{BlockKind, Trajectory};
+use crate::motion::{Block, BlockKind, Trajectory};
+use crate::nc::{Move, Path};
 
 /// The circle that a section lies on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -208,4 +209,31 @@ fn section(trajectory: &Trajectory, begin: usize, end: usize, rig: &Rig) -> Opti
         sweep_rad: swept.abs(),
         feed_mm_s: longest,
     })
+}
+
+/// A slide that goes less far than this on all arcs stands still, mm: so little is rounding of the program.
+const STANDS_MM: f64 = 0.1;
+
+/// Which slides move on the arcs.
+pub(super) fn moving(trajectory: &Trajectory, sections: &[Section]) -> [bool; 3] {
+    let positions = sections.iter().flat_map(|section| {
+        (0..=POINTS).map(|k| {
+            let share = 1e-9 + (1.0 - 2e-9) * k as f64 / POINTS as f64;
+            trajectory.at(section.start_s + share * (section.end_s - section.start_s)).position_mm
+        })
+    });
+    let ends = positions.fold(None, |ends: Option<[Vector3<f64>; 2]>, at| {
+        let [low, high] = ends.unwrap_or([at, at]);
+        Some([low.inf(&at), high.sup(&at)])
+    });
+    [0, 1, 2].map(|k| ends.is_some_and(|[low, high]| high[k] - low[k] > STANDS_MM))
+}
+
+/// How far the chords of the arcs are off them in the middle, mm, the largest: `l² / 8 R`; 0 of a program of arcs.
+pub(super) fn chord_sag_mm(trajectory: &Trajectory, sections: &[Section], radius_mm: f64) -> f64 {
+    let on_arc = |start_s: f64| sections.iter().any(|s| (s.start_s..s.end_s).contains(&start_s));
+    let chords = trajectory.blocks().iter().filter(|block| on_arc(block.start_s));
+    let straight = chords.filter_map(Block::motion).filter(|motion| motion.path == Path::Line);
+    let lengths_mm = straight.map(Move::length_mm);
+    lengths_mm.fold(0.0_f64, |most, length_mm| most.max(length_mm * length_mm / (8.0 * radius_mm)))
 }

@@ -128,7 +128,7 @@ impl Alignment {
         let leg = |time: &ArcTime| self.time_map.leg_of(self.sections[time.section].start_s);
         let mut steps: Vec<TimeStep> = times
             .windows(2)
-            .filter(|two| leg(&two[0]) == leg(&two[1]))
+            .filter(|two| self.time_map.hang_together(leg(&two[0]), leg(&two[1])))
             .map(|two| TimeStep {
                 before: two[0].section,
                 after: two[1].section,

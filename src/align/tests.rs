@@ -138,7 +138,7 @@ fn rate_and_offsets_come_back_from_marks() {
     let trajectory = Bench::new(&format!("stop_between_arcs = true\n{ARCS}")).trajectory();
     let mut random = Pcg64Mcg::seed_from_u64(1);
     let (rate, sigma_s, pivot_s) = (60e-6, 2e-3, 200.0);
-    let empty = TimeMap::new(&trajectory, pivot_s);
+    let empty = TimeMap::new(&trajectory, 0.0..0.0, pivot_s);
     let offsets_s: Vec<f64> = (0..empty.offsets_s.len()).map(|k| -4.0 + 9.5 * k as f64).collect();
     let mut truth = empty.clone();
     (truth.rate, truth.offsets_s) = (rate, offsets_s);
@@ -156,7 +156,7 @@ fn rate_and_offsets_come_back_from_marks() {
         }
     }
     let mut map = empty;
-    map.fit_marks(&marks, 100e-6);
+    map.fit_marks(&marks, 100e-6).unwrap();
     assert!((map.rate - rate).abs() < 3.0 * map.rate_sigma, "{map:?}");
     for leg in 0..map.offsets_s.len() {
         let off_s = map.offsets_s[leg] - truth.offsets_s[leg];
@@ -167,7 +167,7 @@ fn rate_and_offsets_come_back_from_marks() {
 #[test]
 fn a_time_in_a_pause_is_the_pause_and_any_other_comes_back() {
     let trajectory = Bench::new(&format!("stop_between_arcs = true\n{ARCS}")).trajectory();
-    let mut map = TimeMap::new(&trajectory, 100.0);
+    let mut map = TimeMap::new(&trajectory, 0.0..0.0, 100.0);
     map.rate = 40e-6;
     for leg in 0..map.offsets_s.len() {
         // The operator paused for ten seconds each time.

@@ -1,16 +1,27 @@
 //! The time map: from the instrument's clock to program time.
+//!
+//! Inside a *leg*, a part of the program that the machine drives without standing still, the map is straight. Between
+//! two legs it stands: an operator lets it stand as long as he likes, and a dwell or a sharp corner takes a little
+//! longer than the program says, because the control waits until its axes have arrived.
 
-use super::ramp::Mark;
+use std::ops::Range;
+
+use nalgebra::Vector3;
+
+use super::ramp::{Mark, UNEQUAL_DELAY_S};
+use crate::error::Result;
 use crate::motion::{BlockKind, Trajectory};
+use crate::solve::{Truncation, Tsqr, solve, standard_deviations};
 
-/// From log time to program time: `program = (1 + rate) · log - offset[leg]`.
+/// From log time to program time: with `raw = (1 + rate) · log - offset[leg]`,
+/// `program = raw + pace · (raw - middle of the leg)`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimeMap {
     /// By how much the machine's clock runs faster than the instrument's, as a share of 1.
     pub rate: f64,
     /// Standard deviation of the rate.
     pub rate_sigma: f64,
-    /// One a leg, s: the first leg ends at the first operator's pause.
+    /// One a leg, s.
     pub offsets_s: Vec<f64>,
     /// Standard deviation of each offset, s; infinite where no sample tells it.
     pub offset_sigmas_s: Vec<f64>,
@@ -19,15 +30,53 @@ pub struct TimeMap {
     /// Standard deviation that each offset has besides, because chords that look alike could be taken
     /// for each other, s.
     pub ambiguities_s: Vec<f64>,
+    /// By how much the machine drives faster than this feed, as a share of 1; standstills have their own time.
+    pub pace: f64,
+    /// Standard deviation of the pace.
+    pub pace_sigma: f64,
+    /// Covariance of each offset with the pace, s.
+    pub offset_pace_covariances_s: Vec<f64>,
+    /// Covariance of rate and pace.
+    pub rate_pace_covariance: f64,
+    /// Time constant with which all slides follow the program alike, s: `T dx/dt = commanded - x`. That they do so late
+    /// is in the offsets; what it does beside is to smooth the path and to shrink radii.
+    pub following_s: f64,
+    /// Standard deviation of that, s.
+    pub following_sigma_s: f64,
+    /// By how much the path that is driven lies outside of the one that the blocks describe, mm.
+    pub cut_mm: f64,
+    /// How much later than the mean of those that move each slide follows, s.
+    pub delays_s: Vector3<f64>,
+    /// Standard deviation of that, s.
+    pub delay_sigmas_s: Vector3<f64>,
     /// Share by which the real feed differs from the programmed one times the stated override.
     pub override_excess: f64,
     /// Standard deviation of that share; 0 where it was not estimated.
     pub override_sigma: f64,
-    /// Program time of every operator's pause, s.
-    stops_s: Vec<f64>,
+    /// What a standstill takes beyond what the program says, on average, and how much that plausibly differs, s.
+    pub excess_s: [f64; 2],
+    /// Where one leg ends and the next begins.
+    breaks: Vec<Break>,
+    /// The middle of each leg, s of program time: there the pace changes nothing.
+    middles_s: Vec<f64>,
     /// About this log time the rate turns, s: where offset and rate are least correlated.
     pub pivot_s: f64,
 }
+
+/// Where one leg ends and the next begins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Break {
+    /// Program time, s: of an operator's pause when it begins, else when the machine moves on.
+    pub program_s: f64,
+    /// Whether the machine stands there until the operator presses start.
+    pub operator: bool,
+}
+
+/// What a standstill takes beyond what the program says plausibly is within this, s: in-position checks, and a control
+/// that brakes later or softer than its settings say.
+const EXCESS_S: f64 = 0.05;
+/// And on average not longer than this, s.
+const LONGEST_EXCESS_S: f64 = 0.1;
 
 /// How long an operator's pause is where the log does not tell, s.
 const UNKNOWN_S: f64 = 60.0;
@@ -44,79 +93,161 @@ pub struct Moment {
 }
 
 impl TimeMap {
-    /// A map with the rate 0 and unknown offsets.
-    pub(super) fn new(trajectory: &Trajectory, pivot_s: f64) -> Self {
-        let stops_s: Vec<f64> = trajectory
-            .blocks()
-            .iter()
-            .filter(|block| block.kind == BlockKind::Stop)
-            .map(|block| block.start_s)
-            .collect();
-        let legs = stops_s.len() + 1;
+    /// A map with the rate 0 and unknown offsets; the machine stands still between engagements and in them.
+    pub(super) fn new(trajectory: &Trajectory, engaged_s: Range<f64>, pivot_s: f64) -> Self {
+        let breaks = breaks(trajectory, &engaged_s);
+        let legs = breaks.len() + 1;
         Self {
             rate: 0.0,
             rate_sigma: 0.0,
             offsets_s: vec![0.0; legs],
             offset_sigmas_s: vec![f64::INFINITY; legs],
             offset_rate_covariances_s: vec![0.0; legs],
+            pace: 0.0,
+            pace_sigma: 0.0,
+            offset_pace_covariances_s: vec![0.0; legs],
+            rate_pace_covariance: 0.0,
+            following_s: 0.0,
+            following_sigma_s: 0.0,
+            cut_mm: 0.0,
+            delays_s: Vector3::zeros(),
+            delay_sigmas_s: Vector3::zeros(),
+            middles_s: middles_s(&breaks, trajectory),
             ambiguities_s: vec![0.0; legs],
             override_excess: 0.0,
             override_sigma: 0.0,
-            stops_s,
+            excess_s: [0.0, EXCESS_S],
+            breaks,
             pivot_s,
         }
     }
 
-    /// The leg that a program time lies in; at a pause, the leg after it.
+    /// The leg that a program time lies in; at a break, the leg after it.
     pub fn leg_of(&self, program_s: f64) -> usize {
-        self.stops_s.partition_point(|stop| *stop <= program_s)
+        self.breaks.partition_point(|at| at.program_s <= program_s)
+    }
+
+    /// How many operator's pauses there are before a leg.
+    pub fn pauses_before(&self, leg: usize) -> usize {
+        self.breaks[..leg].iter().filter(|at| at.operator).count()
+    }
+
+    /// Whether no operator's pause lies between two legs: then their offsets differ by little.
+    pub fn hang_together(&self, first: usize, second: usize) -> bool {
+        let between = first.min(second)..first.max(second);
+        self.breaks[between].iter().all(|at| !at.operator)
+    }
+
+    /// By how much the offsets of two legs that hang together plausibly differ, and within what, s.
+    pub fn stands_s(&self, first: usize, second: usize) -> [f64; 2] {
+        let standstills = first.abs_diff(second) as f64;
+        let [mean_s, sigma_s] = self.excess_s;
+        [standstills * mean_s, standstills.sqrt() * sigma_s]
     }
 
     /// Program time of a log time on one leg, s, wherever the leg's bounds are.
     pub fn on_leg_s(&self, log_s: f64, leg: usize) -> f64 {
+        let raw_s = self.raw_s(log_s, leg);
+        raw_s + self.pace * (raw_s - self.middles_s[leg])
+    }
+
+    fn raw_s(&self, log_s: f64, leg: usize) -> f64 {
         log_s + self.rate * (log_s - self.pivot_s) - self.offsets_s[leg]
     }
 
-    /// Rate and offsets by weighted least squares from the marks, with the rate's prior
-    /// `0 ± clock_tolerance`.
-    pub(super) fn fit_marks(&mut self, marks: &[Mark], clock_tolerance: f64) {
-        let legs = self.offsets_s.len();
-        let mut sums = vec![(0.0, 0.0, 0.0); legs];
-        for mark in marks {
-            let weight = mark.sigma_s.powi(-2);
-            let sum = &mut sums[self.leg_of(mark.program_s)];
-            sum.0 += weight;
-            sum.1 += weight * (mark.log_s - self.pivot_s);
-            sum.2 += weight * (mark.log_s - mark.program_s);
-        }
-        let mut normal = clock_tolerance.powi(-2);
-        let mut right = 0.0;
-        for mark in marks {
-            let sum = sums[self.leg_of(mark.program_s)];
-            let weight = mark.sigma_s.powi(-2);
-            let time = mark.log_s - self.pivot_s - sum.1 / sum.0;
-            let longer = mark.log_s - mark.program_s - sum.2 / sum.0;
-            normal += weight * time * time;
-            right -= weight * time * longer;
-        }
-        self.rate = right / normal;
-        self.rate_sigma = normal.sqrt().recip();
-        for (leg, sum) in sums.iter().enumerate() {
-            if sum.0 > 0.0 {
-                let time = sum.1 / sum.0;
-                self.offsets_s[leg] = sum.2 / sum.0 + self.rate * time;
-                self.offset_sigmas_s[leg] = sum.0.sqrt().recip().hypot(self.rate_sigma * time);
-                self.offset_rate_covariances_s[leg] = self.rate_sigma.powi(2) * time;
-            }
-        }
+    /// How far a log time lies from the middle of a leg, s: `d program / d pace`.
+    pub fn from_middle_s(&self, log_s: f64, leg: usize) -> f64 {
+        self.raw_s(log_s, leg) - self.middles_s[leg]
     }
 
-    /// The same map with the rate 0, every leg set by its first mark.
+    /// Rate and offsets by least squares from the marks, with the rate's prior `0 ± clock_tolerance` and legs that hang
+    /// together; those that no mark tells of stay unknown.
+    ///
+    /// No standstill is shorter than its program: all take what the marks leave for them, and where that is next to
+    /// nothing, each takes next to nothing.
+    pub(super) fn fit_marks(&mut self, marks: &[Mark], clock_tolerance: f64) -> Result<()> {
+        self.excess_s = [0.0, EXCESS_S];
+        self.fit_standing(marks, clock_tolerance)?;
+        let marked = |at: &Mark| self.leg_of(at.program_s);
+        let spans =
+            marks.windows(2).map(|two| (&two[0], &two[1], marked(&two[0])..marked(&two[1])));
+        let (mut standstills, mut longer_s, mut lasts_s) = (0.0, 0.0, 0.0);
+        for (first, second, legs) in spans {
+            if legs.start < legs.end && self.hang_together(legs.start, legs.end) {
+                standstills += (legs.end - legs.start) as f64;
+                lasts_s += second.log_s - first.log_s;
+                longer_s += second.log_s - first.log_s - (second.program_s - first.program_s);
+            }
+        }
+        if standstills > 0.0 {
+            let mean_s = longer_s / standstills;
+            let clock_s = clock_tolerance * lasts_s / standstills;
+            // What the clock and the ramps leave open.
+            let open_s = clock_s + UNEQUAL_DELAY_S;
+            self.excess_s = if (-open_s..LONGEST_EXCESS_S).contains(&mean_s) {
+                // As different as they are long.
+                let mean_s = mean_s.max(0.0);
+                [mean_s, (mean_s + open_s).min(EXCESS_S)]
+            } else {
+                // No standstill explains that: it is the feed, or readings are missing.
+                [0.0, open_s.min(EXCESS_S)]
+            };
+            self.fit_standing(marks, clock_tolerance)?;
+        }
+        Ok(())
+    }
+
+    /// Rate and offsets from the marks alone, whatever clock and feed are, with standstills as the program says.
+    pub(super) fn fit_marks_at_any_rate(&mut self, marks: &[Mark]) -> Result<()> {
+        self.excess_s = [0.0, UNEQUAL_DELAY_S];
+        self.fit_standing(marks, 1.0)
+    }
+
+    fn fit_standing(&mut self, marks: &[Mark], clock_tolerance: f64) -> Result<()> {
+        let legs = self.offsets_s.len();
+        let mut rows = Tsqr::new(legs + 1);
+        let mut row = vec![0.0; legs + 1];
+        for mark in marks {
+            row.fill(0.0);
+            row[self.leg_of(mark.program_s)] = 1.0;
+            row[legs] = self.pivot_s - mark.log_s;
+            rows.push_weighted(&row, mark.log_s - mark.program_s, 1.0 / mark.sigma_s);
+        }
+        for second in 1..legs {
+            if self.hang_together(second - 1, second) {
+                row.fill(0.0);
+                (row[second - 1], row[second]) = (-1.0, 1.0);
+                let [mean_s, sigma_s] = self.excess_s;
+                rows.push_weighted(&row, mean_s, 1.0 / sigma_s);
+            }
+        }
+        rows.push_prior(legs, 0.0, clock_tolerance);
+        let solution = solve(&rows.finish()?, Truncation::Relative(1e-12))?;
+        let covariance = solution.covariance_unscaled();
+        let sigmas = standard_deviations(&covariance);
+        self.rate = solution.x()[legs];
+        self.rate_sigma = sigmas[legs];
+        let marked: Vec<usize> = marks.iter().map(|mark| self.leg_of(mark.program_s)).collect();
+        for leg in 0..legs {
+            if marked.iter().any(|&other| self.hang_together(leg, other)) {
+                self.offsets_s[leg] = solution.x()[leg];
+                self.offset_sigmas_s[leg] = sigmas[leg];
+                self.offset_rate_covariances_s[leg] = covariance[(leg, legs)];
+            }
+        }
+        Ok(())
+    }
+
+    /// The same map with the rate 0, every leg set by the first mark of those that it hangs together with.
     pub(super) fn at_equal_rates(&self, marks: &[Mark]) -> Self {
         let mut map = Self { rate: 0.0, ..self.clone() };
         for mark in marks.iter().rev() {
-            let leg = map.leg_of(mark.program_s);
-            map.offsets_s[leg] = mark.log_s - mark.program_s;
+            let marked = map.leg_of(mark.program_s);
+            for leg in 0..map.offsets_s.len() {
+                if map.hang_together(leg, marked) {
+                    map.offsets_s[leg] = mark.log_s - mark.program_s;
+                }
+            }
         }
         map
     }
@@ -127,45 +258,59 @@ impl TimeMap {
         if offset.is_infinite() {
             return offset;
         }
-        let time_s = log_s - self.pivot_s;
-        let mixed = 2.0 * time_s * self.offset_rate_covariances_s[leg];
-        let straight = offset * offset + (self.rate_sigma * time_s).powi(2) - mixed;
+        // d program = - d offset + time d rate + from_middle d pace
+        let (time_s, from_middle_s) = (log_s - self.pivot_s, self.from_middle_s(log_s, leg));
+        let own = offset.powi(2)
+            + (self.rate_sigma * time_s).powi(2)
+            + (self.pace_sigma * from_middle_s).powi(2);
+        let mixed = time_s * from_middle_s * self.rate_pace_covariance
+            - time_s * self.offset_rate_covariances_s[leg]
+            - from_middle_s * self.offset_pace_covariances_s[leg];
+        let straight = own + 2.0 * mixed;
         straight.max(0.0).sqrt().hypot(self.ambiguities_s[leg])
     }
 
     /// The moment of a log time.
     pub fn at(&self, log_s: f64) -> Moment {
         // Legs follow each other in log time as well, because no pause is shorter than nothing.
-        for (leg, stop_s) in self.stops_s.iter().enumerate() {
+        for (leg, at) in self.breaks.iter().enumerate() {
             let program_s = self.on_leg_s(log_s, leg);
-            if self.offset_sigmas_s[leg].is_finite() && program_s < *stop_s {
+            if self.offset_sigmas_s[leg].is_finite() && program_s < at.program_s {
                 return Moment { program_s, leg, in_stop: false };
             }
             let after_s = self.on_leg_s(log_s, leg + 1);
             let next_known = self.offset_sigmas_s[leg + 1].is_finite();
-            if next_known && after_s < *stop_s {
-                return Moment { program_s: *stop_s, leg: leg + 1, in_stop: true };
+            if next_known && after_s < at.program_s {
+                return Moment { program_s: at.program_s, leg: leg + 1, in_stop: true };
             }
         }
-        let leg = self.stops_s.len();
-        match self.stops_s.last() {
+        let leg = self.breaks.len();
+        match self.breaks.last() {
             // Nothing tells when the last leg began: the machine still stands, as far as is known.
-            Some(&program_s) if self.offset_sigmas_s[leg].is_infinite() => {
-                Moment { program_s, leg, in_stop: true }
+            Some(at) if self.offset_sigmas_s[leg].is_infinite() => {
+                Moment { program_s: at.program_s, leg, in_stop: true }
             }
             _ => Moment { program_s: self.on_leg_s(log_s, leg), leg, in_stop: false },
         }
     }
 
+    /// How long the machine stood at each break beyond what the program says, s; `None` where a neighbouring leg has no
+    /// samples.
+    pub fn stood_s(&self) -> Vec<Option<f64>> {
+        let known = |leg: usize| self.offset_sigmas_s[leg].is_finite().then(|| self.offsets_s[leg]);
+        (0..self.breaks.len()).map(|at| Some(known(at + 1)? - known(at)?)).collect()
+    }
+
     /// How long each operator's pause was, s; `None` where a neighbouring leg has no samples.
     pub fn pauses_s(&self) -> Vec<Option<f64>> {
-        let known = |leg: usize| self.offset_sigmas_s[leg].is_finite().then(|| self.offsets_s[leg]);
-        (0..self.stops_s.len()).map(|stop| Some(known(stop + 1)? - known(stop)?)).collect()
+        let each = self.breaks.iter().zip(self.stood_s());
+        each.filter(|(at, _)| at.operator).map(|(_, stood_s)| stood_s).collect()
     }
 
     /// Log time at which a leg reaches a program time, s.
     pub fn log_time_s(&self, program_s: f64, leg: usize) -> f64 {
-        (program_s + self.offsets_s[leg] + self.rate * self.pivot_s) / (1.0 + self.rate)
+        let raw_s = (program_s + self.pace * self.middles_s[leg]) / (1.0 + self.pace);
+        (raw_s + self.offsets_s[leg] + self.rate * self.pivot_s) / (1.0 + self.rate)
     }
 
     /// When the program began, and its standard deviation, on the log's clock that begins at `first_s`, s.
@@ -182,8 +327,45 @@ impl TimeMap {
         (0.5 * (earliest_s + latest_s), (latest_s - earliest_s) / 12f64.sqrt())
     }
 
-    /// Program time of every operator's pause, s.
-    pub fn stops_s(&self) -> &[f64] {
-        &self.stops_s
+    /// Where one leg ends and the next begins.
+    pub fn breaks(&self) -> &[Break] {
+        &self.breaks
     }
+
+    /// Program time of every operator's pause, s.
+    pub fn stops_s(&self) -> Vec<f64> {
+        self.breaks.iter().filter(|at| at.operator).map(|at| at.program_s).collect()
+    }
+}
+
+/// The middle of each leg, s.
+fn middles_s(breaks: &[Break], trajectory: &Trajectory) -> Vec<f64> {
+    let ends_s = breaks.iter().map(|at| at.program_s).chain([trajectory.end_s()]);
+    let mut begin_s = 0.0;
+    let middle_s = |end_s: f64| 0.5 * (std::mem::replace(&mut begin_s, end_s) + end_s);
+    ends_s.map(middle_s).collect()
+}
+
+/// Every operator's pause, and of other standstills those while the bar reads or between: the machine comes to rest,
+/// and moves on.
+fn breaks(trajectory: &Trajectory, engaged_s: &Range<f64>) -> Vec<Break> {
+    let mut breaks: Vec<Break> = Vec::new();
+    // Whether the machine stands, and whether the operator has it.
+    let (mut stands, mut operator) = (false, false);
+    for block in trajectory.blocks() {
+        match block.kind {
+            BlockKind::Stop => {
+                breaks.push(Break { program_s: block.start_s, operator: true });
+                (stands, operator) = (true, true);
+            }
+            BlockKind::Dwell => stands = true,
+            BlockKind::Rapid | BlockKind::Feed => {
+                if stands && !operator && engaged_s.contains(&block.start_s) {
+                    breaks.push(Break { program_s: block.start_s, operator: false });
+                }
+                (stands, operator) = (block.ends_at_rest(), false);
+            }
+        }
+    }
+    breaks
 }

@@ -100,7 +100,7 @@ impl Identified {
     /// What is told about it.
     pub(super) fn analysis(&self) -> Analysis {
         let repeats = &self.campaign.repeats;
-        let mut analysis = Analysis::new(&self.test, &self.machine, repeats);
+        let mut analysis = Analysis::new(&self.test, &self.machine, &self.campaign);
         let facts = |diagnosis| DiagnosisFacts::new(&self.machine, repeats, diagnosis);
         analysis.diagnosis = self.diagnosis.as_ref().map(facts);
         analysis

@@ -7,7 +7,7 @@ use super::planned::PlannedProgram;
 use super::volume::{Volume, VolumeSigma, of_coefficients};
 use crate::error::{Error, Result};
 use crate::identify::{
-    self, Driven, Gather, Options, POINTS, Prediction, RunInput, SEEN_UM, Sight,
+    self, Answer, Driven, Gather, Options, POINTS, Prediction, RunInput, SEEN_UM, Sight,
 };
 use crate::machine::{Axis, Machine, Mounting};
 use crate::model::{self, COMPLETE, Coefficient, Model, Parameter};
@@ -108,7 +108,9 @@ pub struct Outlook {
     pub operator: Operator,
     /// The mountings.
     pub mountings: Vec<MountingOutlook>,
-    /// The terms that will be estimated.
+    /// What it will know of what people ask, where the machine is described where it is measured.
+    pub at_the_place: Vec<Answer>,
+    /// The terms that will be estimated; where the machine is described where it is measured, all that can be told apart.
     pub terms: Vec<String>,
     /// Whether they were chosen for this test (`complete`) rather than named.
     pub chosen: bool,
@@ -165,8 +167,8 @@ impl Outlook {
             test.mountings().iter().map(|m| (m.name.clone(), m.mounting)).collect();
         let names: Vec<String> = places.iter().map(|(name, _)| name.clone()).collect();
         let balls: Vec<Mounting> = places.iter().map(|(_, mounting)| *mounting).collect();
-        let wanted = &test.estimation().terms;
-        let (terms, runs) = identify::explicit_terms(wanted, machine, &places, runs, &options)?;
+        let wanted = test.estimation().coefficients();
+        let (terms, runs) = identify::explicit_terms(&wanted, machine, &places, runs, &options)?;
         let chosen = wanted.iter().any(|name| name == COMPLETE);
         let mountings: Vec<MountingOutlook> = programs
             .into_iter()
@@ -178,6 +180,11 @@ impl Outlook {
         let noise = identify::stated_noise(test.ball_bar());
         let prediction = identify::predict(&model, runs.clone(), &options, &noise)?;
         step();
+        let at_the_place = if test.estimation().is_local() {
+            identify::foresee(test, machine, runs.clone(), &options, &noise)?
+        } else {
+            Vec::new()
+        };
         let (ideal_rank, unseen) = unseen(test, machine, &model, chosen)?;
         step();
 
@@ -203,6 +210,7 @@ impl Outlook {
             volume_noise: volume.sigma(&of_noise),
             volume_unseen: volume.sigma(&of_unseen),
             unknown_mm,
+            at_the_place,
             prediction,
         })
     }
@@ -301,7 +309,8 @@ fn unseen(
         }
     }
     let rank = sight.rank(&sight.columns(|name| terms.iter().any(|term| term == name)))?;
-    let order = if chosen { identify::order_of(&test.estimation().terms)? } else { terms.clone() };
+    let order =
+        if chosen { identify::order_of(&test.estimation().coefficients())? } else { terms.clone() };
     let selection = sight.select(&sight.ordered(&order))?;
     let groups: Vec<NullDirection> =
         selection.removed.iter().map(|removal| removal.direction.clone()).collect();

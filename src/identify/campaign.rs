@@ -9,10 +9,11 @@ use super::complete::explicit_terms;
 use super::fit::identify;
 use super::input::{Options, RunInput};
 use super::measured::MeasuredRun;
+use super::place;
 use super::result::Identification;
 use crate::error::{Error, Result};
 use crate::machine::{Machine, Mounting};
-use crate::model::{self, Form, HeldEffect, Model};
+use crate::model::{Form, HeldEffect, LocalFrame, Model};
 use crate::plan::{Run, Test};
 
 /// All repeats of a test, identified.
@@ -20,6 +21,8 @@ use crate::plan::{Run, Test};
 pub struct Campaign {
     /// The terms, `complete` made explicit: one set for all repeats, or they would have no mean.
     pub terms: Vec<String>,
+    /// The place of the test; `None` where no run drives an arc.
+    pub frame: Option<Arc<LocalFrame>>,
     /// The repeats.
     pub repeats: Vec<Identification>,
     /// Effects that each repeat was identified with beside the terms.
@@ -152,14 +155,21 @@ impl Campaign {
     ) -> Result<Self> {
         let options = Options::of(test);
         let mut terms = test.estimation().terms.clone();
+        let frame = place::of(test, machine, aligned.iter().flatten());
         if let Some(first) = aligned.first_mut() {
             let mountings: Vec<(String, Mounting)> =
                 test.mountings().iter().map(|m| (m.name.clone(), m.mounting)).collect();
             let runs = std::mem::take(first);
             (terms, *first) = explicit_terms(&terms, machine, &mountings, runs, &options)?;
         }
-        let empty =
-            Self { terms, repeats: Vec::new(), held: Vec::new(), left_out: Vec::new(), measured };
+        let empty = Self {
+            terms,
+            frame,
+            repeats: Vec::new(),
+            held: Vec::new(),
+            left_out: Vec::new(),
+            measured,
+        };
         let results: Vec<(String, Result<Identification>)> = aligned
             .into_par_iter()
             .map(|inputs| {
@@ -207,7 +217,7 @@ impl Campaign {
     ) -> Result<Model<'a>> {
         let names: Vec<String> = test.mountings().iter().map(|m| m.name.clone()).collect();
         let mountings = test.mountings().iter().map(|m| m.mounting).collect();
-        let mut terms = model::terms(&self.terms, &names)?;
+        let mut terms = place::terms(&self.terms, self.frame.as_ref(), machine, &names)?;
         let curves = test.estimation().curves.iter().map(|(curve, values)| HeldEffect {
             form: Form::Empirical(curve.clone()),
             amplitudes: vec![values.clone(); test.mountings().len()],
@@ -231,6 +241,7 @@ impl Campaign {
         let options = Options::of(test);
         let extended = Self {
             terms: self.terms.clone(),
+            frame: self.frame.clone(),
             repeats: Vec::new(),
             held,
             left_out: self.left_out.clone(),

@@ -1,5 +1,6 @@
 //! What speaks against a fit that came out all the same.
 
+use super::input::Options;
 use super::record::Record;
 use super::result::IdentifiedRun;
 use crate::align::Alignment;
@@ -23,21 +24,31 @@ pub(super) fn cautions(
     runs: &[IdentifiedRun],
     rms_mm: f64,
     noise: &NoiseModel,
-    loss: Loss,
+    options: &Options,
+    settled: bool,
 ) -> Vec<String> {
-    let mut cautions: Vec<String> =
-        runs.iter().filter_map(|run| step(&run.name, &run.alignment)).collect();
+    let of_run = |run: &IdentifiedRun| {
+        step(&run.name, &run.alignment).or_else(|| short(&run.name, &run.alignment))
+    };
+    let mut cautions: Vec<String> = runs.iter().filter_map(of_run).collect();
     let far_off = far_off(runs);
-    if far_off > 0 && loss == Loss::Off {
+    if far_off > 0 && options.loss == Loss::Off {
         cautions.push(format!(
             "{far_off} reading(s) lie farther off than {FAR_OFF:.0} times what is usual here and pull the fit with all their weight; `loss = \"huber\"` or `\"tukey\"` in `[identify]` takes it from them"
         ));
     }
-    if rms_mm > UNEXPLAINED_MM && rms_mm > PATTERN * noise.innovation_sigma() {
+    // Where times are wrong altogether, neighbours differ by more than chance too.
+    let chance_mm = noise.innovation_sigma().min(options.noise_mm);
+    if rms_mm > UNEXPLAINED_MM && !settled {
+        cautions.push(format!(
+            "the fit has not come to rest and leaves {:.2} um rms: a log may be of another program",
+            1e3 * rms_mm
+        ));
+    } else if rms_mm > UNEXPLAINED_MM && rms_mm > PATTERN * chance_mm {
         cautions.push(format!(
             "the model leaves {:.2} um rms, which is {:.0} times what one reading differs from the next by chance: a log may be of another program, or the machine does what no chosen term describes",
             1e3 * rms_mm,
-            rms_mm / noise.innovation_sigma()
+            rms_mm / chance_mm
         ));
     }
     cautions
@@ -54,6 +65,22 @@ fn step(run: &str, alignment: &Alignment) -> Option<String> {
         name(step.after),
         step.lost_s.abs()
     ))
+}
+
+/// A standstill that seems shorter than its program: no control does that.
+fn short(run: &str, alignment: &Alignment) -> Option<String> {
+    let map = &alignment.time_map;
+    let stood = map.breaks().iter().zip(map.stood_s()).filter(|(at, _)| !at.operator);
+    let known = stood.filter_map(|(at, stood_s)| Some((at.program_s, stood_s?)));
+    let (program_s, stood_s) = known.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let after = alignment.sections.iter().position(|section| section.end_s > program_s)?;
+    let before = alignment.sections.get(after.checked_sub(1)?)?;
+    (stood_s < -STEP_S).then(|| {
+        format!(
+            "{run}: between `{}` and `{}`, {:.1} s are missing from the log",
+            before.name, alignment.sections[after].name, -stood_s
+        )
+    })
 }
 
 fn far_off(runs: &[IdentifiedRun]) -> usize {

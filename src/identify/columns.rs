@@ -1,5 +1,9 @@
 //! Where the parameters of the time maps stand among the columns of the fit.
 
+use std::ops::Range;
+
+use nalgebra::Vector3;
+
 use super::input::RunInput;
 use crate::align::TimeMap;
 use crate::solve::Matrix;
@@ -9,22 +13,52 @@ pub(super) struct Columns {
     pub(super) coefficients: usize,
     /// For each run: its first column, and the legs that have one.
     pub(super) runs: Vec<(usize, Vec<usize>)>,
+    /// For each run: how much each slide follows later than the mean, for one of each of the columns.
+    pub(super) delays: Vec<Vec<Vector3<f64>>>,
+    /// Whether the control drives as planned, and nothing of how it does is estimated.
+    pub(super) as_planned: bool,
+    /// Whether slides may follow unlike, or all that their columns explain is left to others.
+    pub(super) unlike: bool,
+    /// For each run whether its path has chords.
+    cuts: Vec<bool>,
     pub(super) total: usize,
+}
+
+/// Chords that are off their arc by less than rounding of the program are none, mm.
+const NO_SAG_MM: f64 = 1e-5;
+
+/// Unit vectors that say how slides that move follow late, the mean of them not at all: that is in the offsets.
+fn contrasts(moving: [bool; 3]) -> Vec<Vector3<f64>> {
+    let slides: Vec<usize> = (0..3).filter(|k| moving[*k]).collect();
+    let mut contrasts = Vec::new();
+    for count in 1..slides.len() {
+        // One slide against all before it.
+        let mut contrast = Vector3::zeros();
+        slides[..count].iter().for_each(|&k| contrast[k] = 1.0);
+        contrast[slides[count]] = -(count as f64);
+        contrasts.push(contrast.normalize());
+    }
+    contrasts
 }
 
 impl Columns {
     pub(super) fn new(coefficients: usize, runs: &[RunInput]) -> Self {
         let mut total = coefficients;
+        let (mut delays, mut cuts) = (Vec::new(), Vec::new());
         let runs = runs
             .iter()
             .map(|run| {
                 let legs = run.alignment.legs();
+                let contrasts = contrasts(run.alignment.moving);
                 let first = total;
-                total += legs.len() + 1;
+                let cut = run.alignment.chord_sag_mm > NO_SAG_MM;
+                total += legs.len() + 3 + contrasts.len() + usize::from(cut);
+                cuts.push(cut);
+                delays.push(contrasts);
                 (first, legs)
             })
             .collect();
-        Self { coefficients, runs, total }
+        Self { coefficients, runs, delays, as_planned: false, unlike: true, cuts, total }
     }
 
     /// Column of the offset of a leg; `None` where the leg has no samples.
@@ -38,14 +72,48 @@ impl Columns {
         self.runs[run].0 + self.runs[run].1.len()
     }
 
+    /// Column of the pace.
+    pub(super) fn pace(&self, run: usize) -> usize {
+        self.rate(run) + 1
+    }
+
+    /// Column of the time constant with which the slides follow.
+    pub(super) fn following(&self, run: usize) -> usize {
+        self.rate(run) + 2
+    }
+
+    /// Columns of the unequal delays.
+    pub(super) fn delays(&self, run: usize) -> Range<usize> {
+        let first = self.following(run) + 1;
+        first..first + self.delays[run].len()
+    }
+
+    /// Column of what the control cuts off chords; `None` where the path has none.
+    pub(super) fn cut(&self, run: usize) -> Option<usize> {
+        self.cuts[run].then(|| self.delays(run).end)
+    }
+
     /// Takes the uncertainty of a time map from the covariance of all columns.
     pub(super) fn state_uncertainty(&self, run: usize, map: &mut TimeMap, covariance: &Matrix) {
-        let rate = self.rate(run);
-        map.rate_sigma = covariance[(rate, rate)].max(0.0).sqrt();
+        let sigma = |column: usize| covariance[(column, column)].max(0.0).sqrt();
+        let (rate, pace) = (self.rate(run), self.pace(run));
+        map.rate_sigma = sigma(rate);
+        map.pace_sigma = sigma(pace);
+        map.rate_pace_covariance = covariance[(rate, pace)];
+        map.following_sigma_s = sigma(self.following(run));
+        map.delay_sigmas_s = Vector3::from_fn(|slide, _| {
+            let parts: Vec<(usize, f64)> =
+                self.delays(run).zip(&self.delays[run]).map(|(k, c)| (k, c[slide])).collect();
+            let with = |a: &(usize, f64)| {
+                parts.iter().map(|b| a.1 * b.1 * covariance[(a.0, b.0)]).sum::<f64>()
+            };
+            parts.iter().map(with).sum::<f64>().max(0.0).sqrt()
+        });
         let (first, legs) = &self.runs[run];
         for (column, &leg) in (*first..).zip(legs) {
-            map.offset_sigmas_s[leg] = covariance[(column, column)].max(0.0).sqrt();
+            map.offset_sigmas_s[leg] = sigma(column);
             map.offset_rate_covariances_s[leg] = covariance[(column, rate)];
+            map.offset_pace_covariances_s[leg] = covariance[(column, pace)];
         }
     }
 }

@@ -6,7 +6,7 @@ use super::preference::preference;
 use crate::error::Result;
 use crate::machine::{Machine, Mounting};
 use crate::model::{self, COMPLETE, Coefficient, Model, SetUp};
-use crate::solve::{NoiseModel, Truncation};
+use crate::solve::NoiseModel;
 
 /// The order in which single terms are considered: those that `terms` names beside `complete` first,
 /// without those that it leaves out by `-NAME`.
@@ -50,8 +50,8 @@ pub fn explicit_terms(
     for name in &order {
         columns.extend((0..parameters.len()).filter(|&k| parameters[k].bare_name() == *name));
     }
-    let floor = Truncation::Effect(fit.floor(triangle.rows()));
-    let choice = triangle.choose(&columns, &fit.references(&triangle), floor)?;
+    let choice =
+        triangle.choose(&columns, &fit.references(&triangle), fit.truncation(triangle.rows()))?;
     let kept = choice.kept.iter().filter_map(|&k| parameters.get(k));
     let kept = kept.map(|parameter| parameter.name.clone()).chain(effects).collect();
     Ok((kept, fit.runs))

@@ -4,24 +4,30 @@ use super::columns::Columns;
 use super::input::{Options, RunInput};
 use super::result::Identification;
 use super::state::{State, apart};
+use super::strides::Strides;
 use super::{timing, words};
 use crate::align::{Part, TimeMap};
 use crate::error::{Error, Kind, Result};
-use crate::model::Model;
+use crate::model::{Model, ParameterId};
 use crate::solve::Loss;
-use crate::solve::{self, Matrix, Solution, Spectrum, Triangle, Truncation};
+use crate::solve::{self, Matrix, Solution, Spectrum, Triangle};
 
 /// Most Gauss-Newton steps; four are usual.
 const MOST_STEPS: usize = 25;
-/// A step that changes the predicted readings by less than this share of the noise is the last.
-const NEGLIGIBLE: f64 = 1e-4;
-/// A fit that after the last step still changes the predicted readings by less than this share of the
-/// noise is a result all the same: its parameters are right within a part of their sigma.
-const NEARLY: f64 = 0.01;
+/// A step is the last that moves all parameters together by less than this part of a standard deviation: the root of
+/// what it lowers the sum of squares by, in units of the noise.
+const NEGLIGIBLE: f64 = 0.1;
+/// A fit whose last step still changes the computed readings by less than this part of what is left of them is a result
+/// all the same: vertices of a path that is driven otherwise than planned keep its times from settling for good.
+const NEARLY: f64 = 0.05;
 /// A doubtful leg is tried at so many other places.
 const MOST_PLACES: usize = 4;
 /// And stays there if the residual falls below this share of what it was.
 const BETTER: f64 = 0.999;
+/// Neither a clock nor a feed is farther off than this, as a share of 1: beyond, a step has gone astray.
+const FARTHEST: f64 = 0.05;
+/// Slides that follow later than this do not hold a circle, s.
+const LONGEST_S: f64 = 0.1;
 /// During the first steps the samples that take part are chosen anew.
 const CHOOSING_STEPS: usize = 3;
 
@@ -56,14 +62,22 @@ pub fn identify(model: &Model, runs: Vec<RunInput>, options: &Options) -> Result
             }
         }
     }
+    if fit.state.knows() {
+        outcome = fit.weigh_against_plausible(outcome)?;
+    }
     steps += outcome.steps;
     fit.finish(&outcome, steps)
 }
 
+/// What comes out beyond so many of its deviations is more than plausible: 1 in 370 of honest machines.
+pub(super) const IMPLAUSIBLE: f64 = 3.0;
+/// And is then given so many times the room: the readings have shown that they know better.
+const WIDER: f64 = 10.0;
+
 /// The end of one round of Gauss-Newton.
 pub(super) struct Outcome {
     pub(super) solution: Solution,
-    steps: usize,
+    pub(super) steps: usize,
 }
 
 /// Runs that a model is fitted to, and where the fit stands.
@@ -81,6 +95,10 @@ impl<'a> Fit<'a> {
         let state = State {
             values: vec![0.0; model.parameters().len()],
             sigma_mm: options.noise_mm,
+            correlated: 1.0,
+            plausible: model.parameters().iter().map(|p| p.plausible).collect(),
+            settled: true,
+            at_once: vec![false; runs.len()],
             apart: apart(&runs, timing::Detail::Full.guard_s()),
             weights: None,
         };
@@ -162,6 +180,7 @@ impl<'a> Fit<'a> {
 
     /// Gauss-Newton until the change is negligible.
     fn iterate(&mut self, detail: timing::Detail) -> Result<Outcome> {
+        let mut strides = Strides::new(self.columns.coefficients, self.columns.total);
         for steps in 1..=MOST_STEPS {
             // Chosen while the times still move, then held: a sample that comes and goes at a reversal
             // would keep the fit from settling.
@@ -169,29 +188,35 @@ impl<'a> Fit<'a> {
                 self.state.apart = apart(&self.runs, detail.guard_s());
             }
             let triangle = self.factor(detail)?;
-            let floor = self.floor(triangle.rows());
-            let solution = self.spectrum(&triangle)?.solve(Truncation::Effect(floor));
+            let solution = self.spectrum(&triangle)?.solve(self.truncation(triangle.rows()));
             self.refuse_deficient(&solution)?;
-            let step = solution.x().to_vec();
+            // While the times still move, nobody knows.
+            if detail == timing::Detail::Full
+                && steps > CHOOSING_STEPS
+                && self.stop_at_once(solution.x())
+            {
+                continue;
+            }
+            let step = strides.taken(solution.x());
             let change = triangle.r().times_vector(&step);
             let change = change.iter().map(|c| c * c).sum::<f64>().sqrt();
-            // Vertices of the path make the times overshoot and come back for ever; half a step does not.
-            let share = if steps > CHOOSING_STEPS + 1 { 0.5 } else { 1.0 };
-            self.apply(&step, share, &solution);
+            self.apply(&step, &solution);
             let rows = triangle.rows() as f64;
             // Rows are in units of the assumed noise: their rms corrects it.
-            let scatter = solution.residual_norm() / rows.sqrt();
+            let scatter = self.state.correlated * solution.residual_norm() / rows.sqrt();
             let settled =
                 steps > CHOOSING_STEPS || self.state.apart == apart(&self.runs, detail.guard_s());
-            if settled && change / rows.sqrt() < NEGLIGIBLE * scatter.max(1e-12) {
+            if settled && change < NEGLIGIBLE * scatter.max(1e-12) {
                 self.state.sigma_mm *= scatter;
+                self.state.settled = true;
                 return Ok(Outcome { solution, steps });
             }
             // The smooth fit only has to come near, and a fit that still moves by a little of the noise is
             // a result.
-            let near = detail == timing::Detail::Smooth || change / rows.sqrt() < NEARLY * scatter;
+            let near = detail == timing::Detail::Smooth || change < NEARLY * scatter * rows.sqrt();
             if steps == MOST_STEPS && near {
                 self.state.sigma_mm *= scatter;
+                self.state.settled = detail == timing::Detail::Smooth;
                 return Ok(Outcome { solution, steps });
             }
             if steps <= 2 {
@@ -206,6 +231,54 @@ impl<'a> Fit<'a> {
         .hint(
             "the log may be of another program, the feed override may not have stood where the test file says, or there are too many terms for these arcs",
         ))
+    }
+
+    /// Fits again with readings that count for as much as they do although neighbours err alike, and with what came
+    /// out beyond what is plausible let go.
+    fn weigh_against_plausible(&mut self, mut outcome: Outcome) -> Result<Outcome> {
+        for round in 0..2 {
+            let noise = self.noise(&self.left_mm(), &outcome)?;
+            self.state.correlated = (noise.long_run_variance().sqrt() / noise.sigma()).max(1.0);
+            if round == 0 {
+                self.let_go();
+            }
+            outcome = self.iterate(timing::Detail::Full)?;
+        }
+        Ok(outcome)
+    }
+
+    /// Widens, once, what is plausible of what came out far beyond it: of an error that bends more than is plausible in
+    /// one way, all ways to bend.
+    fn let_go(&mut self) {
+        let parameters = self.model.parameters();
+        let of = |k: usize| match parameters[k].id {
+            ParameterId::Local(local) => (Some((local.slide, local.component)), None),
+            _ => (None, Some(k)),
+        };
+        let beyond = |k: &usize| {
+            let sigma = self.state.plausible[*k].unwrap_or(f64::INFINITY);
+            self.state.values[*k].abs() > IMPLAUSIBLE * sigma
+        };
+        let implausible: Vec<_> = (0..parameters.len()).filter(beyond).map(of).collect();
+        for (k, plausible) in self.state.plausible.iter_mut().enumerate() {
+            if implausible.contains(&of(k)) {
+                *plausible = plausible.map(|sigma| WIDER * sigma);
+            }
+        }
+    }
+
+    /// Holds the slides of runs that would follow ahead of time, if they do not follow late already; whether any were
+    /// not held before.
+    fn stop_at_once(&mut self, step: &[f64]) -> bool {
+        let mut newly = false;
+        for (index, run) in self.runs.iter().enumerate() {
+            let ahead = step[self.columns.following(index)] < 0.0;
+            if ahead && run.alignment.time_map.following_s <= 0.0 && !self.state.at_once[index] {
+                self.state.at_once[index] = true;
+                newly = true;
+            }
+        }
+        newly
     }
 
     pub(super) fn spectrum(&self, triangle: &Triangle) -> Result<Spectrum> {
@@ -223,8 +296,8 @@ impl<'a> Fit<'a> {
         for _ in 0..2 {
             self.state.apart = apart(&self.runs, timing::Detail::Full.guard_s());
             let triangle = self.triangle()?;
-            let floor = Truncation::Effect(self.floor(triangle.rows()));
-            let covariance = self.spectrum(&triangle)?.solve(floor).covariance_unscaled();
+            let solution = self.spectrum(&triangle)?.solve(self.truncation(triangle.rows()));
+            let covariance = solution.covariance_unscaled();
             self.state_times(&covariance);
         }
         self.state.apart = apart(&self.runs, timing::Detail::Full.guard_s());
@@ -240,18 +313,30 @@ impl<'a> Fit<'a> {
     }
 
     /// Takes a step in coefficients and time maps.
-    fn apply(&mut self, step: &[f64], time_share: f64, solution: &Solution) {
+    fn apply(&mut self, step: &[f64], solution: &Solution) {
         let covariance = solution.covariance_unscaled();
         for (value, change) in self.state.values.iter_mut().zip(step) {
             *value += change;
         }
         for (index, run) in self.runs.iter_mut().enumerate() {
             let map = &mut run.alignment.time_map;
-            map.rate += time_share * step[self.columns.rate(index)];
+            let clamped = |value: f64| value.clamp(-FARTHEST, FARTHEST);
+            map.rate = clamped(map.rate + step[self.columns.rate(index)]);
+            map.pace = clamped(map.pace + step[self.columns.pace(index)]);
+            let following_s = map.following_s + step[self.columns.following(index)];
+            map.following_s =
+                if self.state.at_once[index] { 0.0 } else { following_s.clamp(0.0, LONGEST_S) };
+            for (column, contrast) in self.columns.delays(index).zip(&self.columns.delays[index]) {
+                let delays_s = map.delays_s + step[column] * contrast;
+                map.delays_s = delays_s.map(|s| s.clamp(-LONGEST_S, LONGEST_S));
+            }
+            if let Some(cut) = self.columns.cut(index) {
+                map.cut_mm += step[cut];
+            }
             let (first, legs) = &self.columns.runs[index];
             for (k, &leg) in legs.iter().enumerate() {
                 // No step beyond a few seconds: far from the truth the derivative is not to be trusted.
-                map.offsets_s[leg] += time_share * step[first + k].clamp(-3.0, 3.0);
+                map.offsets_s[leg] += step[first + k].clamp(-3.0, 3.0);
             }
             self.columns.state_uncertainty(index, map, &covariance);
             run.place();
@@ -260,7 +345,7 @@ impl<'a> Fit<'a> {
 
     fn refuse_deficient(&self, solution: &Solution) -> Result<()> {
         let missing = self.columns.total - solution.rank();
-        if missing == 0 || self.options.minimum_norm {
+        if missing == 0 || self.options.minimum_norm || self.state.knows() {
             return Ok(());
         }
         let parameters = self.model.parameters();

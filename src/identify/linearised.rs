@@ -16,7 +16,7 @@ use super::state::State;
 use crate::align::Part;
 use crate::error::Result;
 use crate::model::{Model, Situation};
-use crate::solve::{Basis, Matrix, Truncation};
+use crate::solve::{Basis, Matrix, dot};
 
 /// A reading that the fit used.
 #[derive(Debug, Clone)]
@@ -29,6 +29,9 @@ pub struct LinearSample {
     pub section: usize,
     /// What was observed and computed, and when.
     pub record: Record,
+    /// Observed minus computed, mm, where no slide follows later than others: the fit lets them, so that its times are
+    /// right, but that is not part of the model.
+    pub left_mm: f64,
     /// Where it was taken.
     pub situation: Situation,
     /// Root of its weight, 0 to 1.
@@ -59,12 +62,11 @@ impl LinearSample {
 }
 
 impl Identification {
-    /// The fit that came out, as a linear problem; of long logs every so many samples, so that no run
-    /// has more than `most`.
+    /// The fit that came out, as a linear problem.
     ///
     /// # Errors
     /// When the fit's rows are not finite.
-    pub fn linearised(&self, model: &Model, options: &Options, most: usize) -> Result<Linearised> {
+    pub fn linearised(&self, model: &Model, options: &Options) -> Result<Linearised> {
         // By the times as they settled, a sample that the fit used may lie just beyond the end of its arc.
         let part = |record: &Record| {
             record.apart.or(match record.sample.part {
@@ -72,18 +74,14 @@ impl Identification {
                 _ => Some(Apart::Ramp),
             })
         };
-        let kept = |run: &IdentifiedRun| {
-            let stride = run.records.len().div_ceil(most.max(1)).max(1);
-            let records = run.records.iter().enumerate();
-            records
-                .map(
-                    |(k, record)| if k % stride == 0 { part(record) } else { Some(Apart::Thinned) },
-                )
-                .collect()
-        };
+        let kept = |run: &IdentifiedRun| run.records.iter().map(part).collect();
         let state = State {
             values: self.values(),
             sigma_mm: self.rms_mm.max(1e-9),
+            correlated: self.correlated,
+            settled: true,
+            at_once: vec![false; self.runs.len()],
+            plausible: self.estimates.iter().map(|estimate| estimate.plausible).collect(),
             apart: self.runs.iter().map(kept).collect(),
             weights: Some(
                 self.runs
@@ -92,12 +90,16 @@ impl Identification {
                     .collect(),
             ),
         };
-        let fit = Fit::at(model, self.again(), options, state);
+        let mut fit = Fit::at(model, self.again(), options, state);
+        fit.columns.unlike = false;
         let triangle = fit.triangle()?;
         let spectrum = fit.spectrum(&triangle)?;
-        let rank = spectrum.retained(Truncation::Effect(fit.floor(triangle.rows())));
+        let truncation = fit.truncation(triangle.rows());
+        let rank = spectrum.retained(truncation);
         let singular = spectrum.singular_values();
         let (v, scales) = (spectrum.right_singular_vectors(), spectrum.scales());
+        // What is left is so to the digit: nothing that the fit follows is in it.
+        let step = spectrum.clone().solve(truncation).x().to_vec();
         let factor = Matrix::from_fn(fit.columns.total, rank, |k, i| match scales[k] {
             0.0 => 0.0,
             scale => v[(k, i)] / scale / singular[i],
@@ -118,14 +120,14 @@ impl Identification {
                     arcs += 1;
                 }
                 let sample = &record.sample;
-                let speed_mm_s = fit.speed_mm_s(&fit.runs[index], sample);
-                fit.fill_row(&mut row, index, sample, speed_mm_s);
+                let view = fit.view(&fit.runs[index], sample);
+                fit.fill_row(&mut row, index, sample, &view);
                 let root_weight = record.weight.sqrt();
                 let first = q.len();
                 q.resize(first + rank, 0.0);
                 let out = &mut q[first..];
                 for (column, value) in row.iter().enumerate() {
-                    let value = value * root_weight / fit.state.sigma_mm;
+                    let value = value * root_weight / fit.state.counts_mm();
                     if value != 0.0 {
                         for (q, f) in out.iter_mut().zip(factor.row(column)) {
                             *q += value * f;
@@ -133,6 +135,7 @@ impl Identification {
                     }
                 }
                 samples.push(LinearSample {
+                    left_mm: fit.residual_mm(index, &view) - dot(&row, &step),
                     run: index,
                     arc: arcs - 1,
                     section,
@@ -142,7 +145,7 @@ impl Identification {
                 });
             }
         }
-        let sigma_mm = fit.state.sigma_mm;
+        let sigma_mm = fit.state.counts_mm();
         let factor =
             Matrix::from_fn(fit.columns.coefficients, rank, |k, i| factor[(k, i)] / sigma_mm);
         Ok(Linearised { samples, basis: Basis::new(rank, q), factor })

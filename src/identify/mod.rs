@@ -17,15 +17,18 @@
 //! **Rank.** A direction in coefficient space counts as observed when its effect over the measured
 //! sphere stands out of the noise, see [`SEEN_UM`].
 
+mod asked;
 mod campaign;
 mod cautions;
 mod columns;
 mod complete;
 mod fit;
+mod foresight;
 mod input;
 mod linearised;
 mod measured;
 mod observability;
+mod place;
 mod prediction;
 mod preference;
 mod record;
@@ -36,13 +39,16 @@ mod result;
 mod rows;
 mod selection;
 mod state;
+mod strides;
 mod timing;
 mod uncertainty;
 mod words;
 
+pub use asked::{Answer, Asked, Known, Suspect, answers};
 pub use campaign::{Campaign, Failure};
 pub use complete::{count, explicit_terms, order_of};
 pub use fit::identify;
+pub use foresight::foresee;
 pub use input::{Options, RunInput};
 pub use linearised::{LinearSample, Linearised};
 pub use measured::MeasuredRun;

@@ -51,9 +51,13 @@ pub fn rehearse(
     let mut alignment = align::align(&align::Run { log: &log, program, rig, feed_override: 1.0 })?;
     // A perfect machine hides where its pauses were; the fit of a real one finds them.
     let map = &mut alignment.time_map;
-    for leg in 0..=stops {
+    let mut paused_s = 0.0;
+    for leg in 0..map.offsets_s.len() {
+        if leg > 0 && map.breaks()[leg - 1].operator {
+            paused_s += PAUSE_S;
+        }
         if map.offset_sigmas_s[leg].is_finite() {
-            map.offsets_s[leg] = run.clock.start_s + PAUSE_S * leg as f64;
+            map.offsets_s[leg] = run.clock.start_s + paused_s;
             map.offset_sigmas_s[leg] = map.offset_sigmas_s[leg].min(PAUSE_SIGMA_S);
         }
     }
@@ -62,10 +66,11 @@ pub fn rehearse(
 }
 
 /// The noise that a test file states: white, correlated (`correlated² · exp(-t / correlation)`), and the
-/// steps of the reading, `resolution² / 12`.
+/// steps of the reading, `resolution² / 12`; of a fast log that of the means that are looked at.
 pub fn stated_noise(bar: &BallBar) -> NoiseModel {
-    let period_s = bar.sample_rate_hz.recip();
+    let (averaged, period_s) = align::averaged(bar.sample_rate_hz.recip());
     let white = bar.noise_mm.powi(2) - bar.correlated_mm.powi(2) + bar.resolution_mm.powi(2) / 12.0;
+    let white = white / averaged as f64;
     let correlated = bar.correlated_mm.powi(2);
     // Until next to nothing of the correlation is left; an order beyond some hundred changes nothing.
     let lags = (10.0 * bar.correlation_s / period_s).ceil().min(200.0) as usize;
@@ -122,8 +127,7 @@ pub fn predict(
     let mut fit = rehearsed_fit(model, runs, options, noise)?;
     let triangle = fit.triangle()?;
     let spectrum = fit.spectrum(&triangle)?;
-    let floor = fit.floor(triangle.rows());
-    let solution = spectrum.solve(Truncation::Effect(floor));
+    let solution = spectrum.solve(fit.truncation(triangle.rows()));
     let covariance = solution.covariance_sandwich(&fit.filtered(noise)?);
     fit.state_times(&covariance);
     let sigmas = solve::standard_deviations(&covariance);
@@ -163,7 +167,9 @@ pub fn predict_with_prior(
     noise: &NoiseModel,
     priors: &[f64],
 ) -> Result<[Matrix; 2]> {
-    let fit = rehearsed_fit(model, runs, options, noise)?;
+    let mut fit = rehearsed_fit(model, runs, options, noise)?;
+    // What is asked for is what faults of the machine leave open.
+    fit.columns.as_planned = true;
     let total = fit.columns.total;
     let mut prior = Tsqr::new(total);
     for (column, &sigma) in priors.iter().enumerate() {

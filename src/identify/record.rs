@@ -33,8 +33,6 @@ pub enum Apart {
     TimeUnknown,
     /// An axis turns round so near to it that its sense is not known.
     Reversal,
-    /// Of a long log only every so many readings are looked at.
-    Thinned,
 }
 
 impl Apart {
@@ -46,7 +44,6 @@ impl Apart {
             Self::Pause => "pause",
             Self::TimeUnknown => "time unknown",
             Self::Reversal => "reversal",
-            Self::Thinned => "thinned",
         }
     }
 

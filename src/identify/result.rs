@@ -1,5 +1,6 @@
 //! What an identification says.
 
+use super::asked::Known;
 use super::input::RunInput;
 use super::record::Record;
 use crate::align::Alignment;
@@ -13,8 +14,13 @@ pub struct Estimate {
     pub parameter: Parameter,
     /// The value, in its unit.
     pub value: f64,
-    /// Standard deviation, in its unit.
+    /// Standard deviation by the noise, in its unit: what repeats would scatter.
     pub sigma: f64,
+    /// Standard deviation, in its unit, by the noise and by what these runs cannot tell from other plausible faults;
+    /// `None` where nothing was taken for plausible.
+    pub all: Option<f64>,
+    /// Standard deviation of what it was taken to be plausibly, in its unit.
+    pub plausible: Option<f64>,
     /// How much of it the data determine: 1 all, 0 nothing, between: only together with others.
     pub observed: f64,
 }
@@ -53,12 +59,20 @@ pub struct Identification {
     pub estimates: Vec<Estimate>,
     /// Correlation of the estimates.
     pub correlation: Matrix,
-    /// Rank over the coefficients, by the noise.
+    /// Covariance of the estimates by the noise.
+    pub covariance: Matrix,
+    /// How much each estimate (row) errs where a fault (column) is one plausible standard deviation: first the
+    /// parameters in their order, then how the control may have driven; `None` where nothing was taken for plausible.
+    pub left_open: Option<Matrix>,
+    /// Rank over the coefficients, by the noise; where something was taken for plausible, how many numbers the
+    /// readings decided, rounded.
     pub rank: usize,
     /// Condition number of the scaled columns over the observed directions.
     pub condition: f64,
     /// What is confounded, by index of parameter.
     pub null_directions: Vec<NullDirection>,
+    /// By which factor a mean of many neighbouring readings counted as less certain than if they were independent.
+    pub correlated: f64,
     /// The noise.
     pub noise: NoiseModel,
     /// The runs, their time maps refined.
@@ -77,6 +91,11 @@ impl Identification {
     /// The same runs, to be identified otherwise.
     pub fn again(&self) -> Vec<RunInput> {
         self.runs.iter().map(IdentifiedRun::again).collect()
+    }
+
+    /// What is known of the parameters, with the values as they were estimated.
+    pub fn known<'a>(&'a self, values: &'a [f64]) -> Known<'a> {
+        Known { values, covariance: &self.covariance, left_open: self.left_open.as_ref() }
     }
 
     /// The estimated values in the order of the model.

@@ -2,10 +2,10 @@
 
 use super::fit::Fit;
 use super::input::RunInput;
-use super::timing;
+use super::timing::{self, View};
 use crate::align::Sample;
 use crate::error::Result;
-use crate::solve::{Triangle, Tsqr};
+use crate::solve::{Triangle, Truncation, Tsqr};
 
 /// A direction is observed when a combination of errors of this size each (rms over the measured
 /// sphere, um) would show by more than `SEEN_SIGMAS` standard deviations of the stated noise.
@@ -31,7 +31,7 @@ impl Fit<'_> {
     }
 
     /// Singular values below this are not observed.
-    pub(super) fn floor(&self, rows: usize) -> f64 {
+    fn floor(&self, rows: usize) -> f64 {
         let typical = SEEN_UM * 1e-3 / self.options.noise_mm * (rows as f64).sqrt();
         SEEN_SIGMAS / typical
     }
@@ -48,24 +48,59 @@ impl Fit<'_> {
                 }
                 let weight = self.weight(index, k);
                 let view = timing::view(self.model, &self.state.values, run, sample, detail);
-                self.fill_row(&mut row, index, sample, view.speed_mm_s);
-                rows.push_weighted(&row, view.residual_mm, weight.sqrt() / self.state.sigma_mm);
+                self.fill_row(&mut row, index, sample, &view);
+                let residual_mm = self.residual_mm(index, &view);
+                rows.push_weighted(&row, residual_mm, weight.sqrt() / self.state.counts_mm());
             }
             self.push_time(&mut rows, &mut row, index, run);
+        }
+        self.push_plausible(&mut rows, &self.state.values);
+        for (column, value, sigma) in self.driven() {
+            rows.push_prior(column, -value, sigma);
         }
         rows.finish()
     }
 
-    pub(super) fn fill_row(&self, row: &mut [f64], index: usize, sample: &Sample, speed_mm_s: f64) {
+    pub(super) fn fill_row(&self, row: &mut [f64], index: usize, sample: &Sample, view: &View) {
         row.fill(0.0);
         let run = &self.runs[index];
         let situation = self.model.situation(&sample.pose, &sample.motion, run.mounting);
         self.model.row(&situation, &mut row[..self.columns.coefficients]);
+        let map = &run.alignment.time_map;
         if let Some(offset) = self.columns.offset(index, sample.leg) {
-            row[offset] = -speed_mm_s;
+            row[offset] = -view.speed_mm_s;
         }
-        row[self.columns.rate(index)] =
-            speed_mm_s * (sample.log_s - run.alignment.time_map.pivot_s);
+        row[self.columns.rate(index)] = view.speed_mm_s * (sample.log_s - map.pivot_s);
+        row[self.columns.pace(index)] =
+            view.speed_mm_s * map.from_middle_s(sample.log_s, sample.leg);
+        if self.columns.as_planned {
+            return;
+        }
+        row[self.columns.following(index)] = view.following_mm_s;
+        for (column, contrast) in self.columns.delays(index).zip(&self.columns.delays[index]) {
+            row[column] = if self.columns.unlike { view.delayed_mm_s.dot(contrast) } else { 0.0 };
+        }
+        if let Some(column) = self.columns.cut(index) {
+            row[column] = 1.0;
+        }
+    }
+
+    /// What is plausible, as rows: each parameter `0 ± its deviation`, seen from these values.
+    fn push_plausible(&self, rows: &mut Tsqr, values: &[f64]) {
+        for (column, (plausible, value)) in self.state.plausible.iter().zip(values).enumerate() {
+            if let Some(sigma) = plausible {
+                rows.push_prior(column, -value, *sigma);
+            }
+        }
+    }
+
+    /// Which directions a solution keeps: where what is plausible holds every parameter, all of them.
+    pub(super) fn truncation(&self, rows: usize) -> Truncation {
+        if self.state.knows() {
+            Truncation::Relative(f64::EPSILON)
+        } else {
+            Truncation::Effect(self.floor(rows))
+        }
     }
 
     /// Rows of the marks and of the clock's tolerance.
@@ -90,16 +125,62 @@ impl Fit<'_> {
             row.fill(0.0);
             row[offset] = 1.0;
             row[self.columns.rate(index)] = -(mark.log_s - map.pivot_s);
+            row[self.columns.pace(index)] = -map.from_middle_s(mark.log_s, leg);
             push(row, map.on_leg_s(mark.log_s, leg) - mark.program_s, mark.sigma_s);
+        }
+        let legs = &self.columns.runs[index].1;
+        for two in legs.windows(2).filter(|two| map.hang_together(two[0], two[1])) {
+            let [Some(first), Some(second)] =
+                [two[0], two[1]].map(|l| self.columns.offset(index, l))
+            else {
+                continue;
+            };
+            row.fill(0.0);
+            (row[first], row[second]) = (-1.0, 1.0);
+            let stood_s = map.offsets_s[two[1]] - map.offsets_s[two[0]];
+            let [mean_s, sigma_s] = map.stands_s(two[0], two[1]);
+            push(row, mean_s - stood_s, sigma_s);
         }
         row.fill(0.0);
         row[self.columns.rate(index)] = 1.0;
         push(row, -map.rate, self.options.clock_tolerance);
+        row.fill(0.0);
+        row[self.columns.pace(index)] = 1.0;
+        push(row, -map.pace, timing::PACE);
     }
 
-    /// Change of the predicted length with program time at a sample, mm/s.
-    pub(super) fn speed_mm_s(&self, run: &RunInput, sample: &Sample) -> f64 {
-        timing::view(self.model, &self.state.values, run, sample, timing::Detail::Full).speed_mm_s
+    /// What is plausible of how the control drives: column, value, and its standard deviation, of every run.
+    pub(super) fn driven(&self) -> Vec<(usize, f64, f64)> {
+        let mut driven = Vec::new();
+        for (index, run) in self.runs.iter().enumerate() {
+            let map = &run.alignment.time_map;
+            let following_s =
+                if self.state.at_once[index] { timing::AT_ONCE_S } else { timing::FOLLOWING_S };
+            driven.push((self.columns.following(index), map.following_s, following_s));
+            for (column, contrast) in self.columns.delays(index).zip(&self.columns.delays[index]) {
+                driven.push((column, map.delays_s.dot(contrast), timing::FOLLOWING_S));
+            }
+            if let Some(column) = self.columns.cut(index) {
+                let sigma_mm = timing::CUT * run.alignment.chord_sag_mm;
+                driven.push((column, run.alignment.time_map.cut_mm, sigma_mm));
+            }
+        }
+        driven
+    }
+
+    /// Observed minus computed at a sample of a run, mm.
+    pub(super) fn residual_mm(&self, index: usize, view: &View) -> f64 {
+        if self.columns.unlike {
+            view.residual_mm
+        } else {
+            let delays_s = &self.runs[index].alignment.time_map.delays_s;
+            view.residual_mm + view.delayed_mm_s.dot(delays_s)
+        }
+    }
+
+    /// A sample as the fit sees it where all counts.
+    pub(super) fn view(&self, run: &RunInput, sample: &Sample) -> View {
+        timing::view(self.model, &self.state.values, run, sample, timing::Detail::Full)
     }
 
     /// Observed minus computed at every sample of every run, mm.
@@ -112,7 +193,8 @@ impl Fit<'_> {
     /// The deviation that the model computes at a sample, mm.
     pub(super) fn computed_mm(&self, run: &RunInput, sample: &Sample) -> f64 {
         let values = &self.state.values;
-        self.model.length_mm(values, &sample.pose, &sample.motion, run.mounting) - run.nominal_mm
+        let length_mm = self.model.length_mm(values, &sample.pose, &sample.motion, run.mounting);
+        length_mm + run.alignment.time_map.cut_mm - run.nominal_mm
     }
 
     /// Weight of a sample, 0 to 1.

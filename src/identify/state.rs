@@ -10,16 +10,40 @@ pub(super) struct State {
     pub(super) values: Vec<f64>,
     /// Standard deviation of a reading, mm.
     pub(super) sigma_mm: f64,
+    /// By which factor a mean of many neighbouring readings is less certain than if they were independent.
+    pub(super) correlated: f64,
+    /// Standard deviation of what each parameter plausibly is, in its unit; `None` where the readings alone decide.
+    pub(super) plausible: Vec<Option<f64>>,
+    /// Whether the last fit came to rest.
+    pub(super) settled: bool,
+    /// For each run whether its slides are taken to follow without a lag, because they cannot do so ahead of time.
+    pub(super) at_once: Vec<bool>,
     /// Why each sample of each run takes no part; `None` where it does.
     pub(super) apart: Vec<Vec<Option<Apart>>>,
     /// Robust weights, one for each sample of each run; `None` for all 1.
     pub(super) weights: Option<Vec<Vec<f64>>>,
 }
 
+impl State {
+    /// Standard deviation that a reading counts with beside what is known otherwise, mm.
+    pub(super) fn counts_mm(&self) -> f64 {
+        self.sigma_mm * self.correlated
+    }
+
+    /// Whether anything is known of the parameters but by readings.
+    pub(super) fn knows(&self) -> bool {
+        self.plausible.iter().any(Option::is_some)
+    }
+}
+
 /// Why each sample of each run takes no part; `guard_s` is kept from every reversal at the least.
 pub(super) fn apart(runs: &[RunInput], guard_s: f64) -> Vec<Vec<Option<Apart>>> {
     let of_run = |run: &RunInput| {
         let reversals_s = run.alignment.trajectory.reversals_s();
+        // A mean over a reversal has no sense.
+        let averaged = run.alignment.averaged > 1;
+        let half_s = if averaged { 0.5 * run.alignment.sample_period_s } else { 0.0 };
+        let guard_s = guard_s + half_s;
         run.samples().iter().map(|sample| Apart::of(sample, &reversals_s, guard_s)).collect()
     };
     runs.iter().map(of_run).collect()

@@ -1,5 +1,7 @@
 //! How a sample's time enters the fit.
 
+use nalgebra::Vector3;
+
 use super::input::RunInput;
 use crate::align::{MarkKind, Part, Sample};
 use crate::machine::Pose;
@@ -55,7 +57,23 @@ pub(super) struct View {
     pub(super) residual_mm: f64,
     /// Change of the predicted deviation with time, mm/s.
     pub(super) speed_mm_s: f64,
+    /// Change of the predicted deviation with the time constant with which the slides follow, mm/s.
+    pub(super) following_mm_s: f64,
+    /// Change of the predicted deviation with the delay of each slide, mm/s.
+    pub(super) delayed_mm_s: Vector3<f64>,
 }
+
+/// How far the pace plausibly is from the feed that engagement and release tell.
+pub(super) const PACE: f64 = 1e-3;
+/// Within which time constant the slides plausibly follow, s.
+pub(super) const FOLLOWING_S: f64 = 0.02;
+/// What a control cuts off the corners of chords, or rounds them out by, is a part of how far chords are off their arc:
+/// their mean lies two thirds of that inside, and a path that is driven smoothly anywhere about it.
+pub(super) const CUT: f64 = 1.0 / 3.0;
+/// Slides that are taken to follow at once do so within this, s: nothing, but not so much nothing that digits go.
+pub(super) const AT_ONCE_S: f64 = 1e-7;
+/// Half of the change of the time constant over which its effect is taken, s.
+const FOLLOWING_STEP_S: f64 = 1e-3;
 
 /// Residual and speed of a sample.
 ///
@@ -68,11 +86,15 @@ pub(super) fn view(
     detail: Detail,
 ) -> View {
     let coincidence_mm = run.alignment.coincidence_mm();
+    let map = &run.alignment.time_map;
+    let velocity_mm_s = &sample.motion.velocity_mm_s;
+    let late_mm = map.delays_s.component_mul(velocity_mm_s);
     let predicted = |pose: &Pose| {
         let length_mm = model.length_mm(values, pose, &sample.motion, run.mounting);
         match detail {
             Detail::Full => length_mm - run.nominal_mm,
-            Detail::Smooth => length_mm - (pose.position_mm - coincidence_mm).norm(),
+            // What a slide is late by is no facet.
+            Detail::Smooth => length_mm - (pose.position_mm + late_mm - coincidence_mm).norm(),
         }
     };
     // Where facets do not count, long enough to see over them; where they do, short against one, but not
@@ -82,11 +104,27 @@ pub(super) fn view(
         Detail::Smooth => 0.2,
     };
     let beside = |sign: f64| {
-        let state = run.alignment.trajectory.at(sample.program_s + sign * step_s);
-        predicted(&Pose { position_mm: state.position_mm, sense: sample.pose.sense })
+        let then_s = sample.program_s + sign * step_s;
+        let position_mm = run.alignment.followed_mm(then_s, map.following_s) - late_mm;
+        predicted(&Pose { position_mm, sense: sample.pose.sense })
+    };
+    let ball_mm = sample.pose.position_mm - coincidence_mm;
+    let along = ball_mm.try_normalize(f64::EPSILON).unwrap_or_else(Vector3::zeros);
+    let following =
+        |following_s: f64| along.dot(&run.alignment.followed_mm(sample.program_s, following_s));
+    // The sphere alone knows nothing of corners, and of radii little.
+    let following_mm_s = match detail {
+        Detail::Full => {
+            let low_s = (map.following_s - FOLLOWING_STEP_S).max(0.0);
+            let high_s = map.following_s + FOLLOWING_STEP_S;
+            (following(high_s) - following(low_s)) / (high_s - low_s)
+        }
+        Detail::Smooth => 0.0,
     };
     View {
-        residual_mm: sample.deviation_mm - predicted(&sample.pose),
+        residual_mm: sample.deviation_mm - predicted(&sample.pose) - map.cut_mm,
+        following_mm_s,
+        delayed_mm_s: -along.component_mul(velocity_mm_s),
         speed_mm_s: (beside(1.0) - beside(-1.0)) / (2.0 * step_s),
     }
 }
@@ -149,7 +187,7 @@ pub(super) struct Doubt {
     pub(super) shifts_s: Vec<f64>,
 }
 
-/// Legs between pauses that fit worse than the others do, now that the coefficients are known.
+/// Legs without a ramp that fit worse than the others do, now that the coefficients are known.
 ///
 /// The coefficients have adapted to a wrong leg as well as they could, so a better place need not look
 /// better before they are fitted again: the caller tries each.
@@ -174,9 +212,10 @@ pub(super) fn doubts(model: &Model, values: &[f64], run: &RunInput) -> Vec<Doubt
     let mut sorted = found.clone();
     sorted.sort_by(f64::total_cmp);
     let usual = sorted[sorted.len() / 2];
+    // A ramp tells the time of its leg.
     let coarse = |leg: usize| {
         let marks = &mut run.alignment.marks.iter();
-        marks.any(|m| m.kind == MarkKind::Standstill && map.leg_of(m.program_s) == leg)
+        !marks.any(|m| m.kind != MarkKind::Standstill && map.leg_of(m.program_s) == leg)
     };
     let suspicious = legs
         .iter()

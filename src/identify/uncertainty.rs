@@ -10,7 +10,19 @@ use super::state::State;
 use super::{cautions, residuals};
 use crate::align::Sample;
 use crate::error::Result;
-use crate::solve::{self, Autocovariances, BackwardFilter, Matrix, NoiseModel, Triangle, Tsqr};
+use crate::solve::{
+    self, Autocovariances, BackwardFilter, Matrix, NoiseModel, Solution, Triangle, Tsqr,
+};
+
+/// What the readings decided.
+pub(super) struct Decided {
+    /// Of each parameter how much, 0 to 1.
+    observed: Vec<f64>,
+    /// Of how many parameters.
+    rank: usize,
+    /// See [`Identification::left_open`].
+    pub(super) left_open: Option<Matrix>,
+}
 
 /// How often the noise model is told what the fit has taken out of its own residuals.
 const NOISE_PASSES: usize = 3;
@@ -19,14 +31,78 @@ impl Fit<'_> {
     /// Noise model, covariance, and everything that is told.
     pub(super) fn finish(mut self, outcome: &Outcome, steps: usize) -> Result<Identification> {
         let left_mm = self.left_mm();
+        let used = self.used_mm(&left_mm);
+        let rms_mm = residuals::rms(&used);
+        let noise = self.noise(&left_mm, outcome)?;
+        // Slides that seem to follow at once may lag all the same.
+        self.state.at_once.fill(false);
+        let triangle = self.triangle()?;
+        let solution = self.spectrum(&triangle)?.solve(self.truncation(triangle.rows()));
+        let outcome = &Outcome { solution, ..*outcome };
+        let filtered = self.filtered(&noise)?;
+        let covariance = outcome.solution.covariance_sandwich(&filtered);
+        let sigmas = solve::standard_deviations(&covariance);
+        self.state_times(&covariance);
+        let count = self.columns.coefficients;
+        let spectrum = outcome.solution.spectrum();
+        let known = self.known(&outcome.solution);
+        let left_open = known.left_open;
+        let all = |k: usize| {
+            let open = left_open.as_ref()?.row(k);
+            Some(open.iter().fold(sigmas[k], |all, open| all.hypot(*open)))
+        };
+        let estimates = self
+            .model
+            .parameters()
+            .iter()
+            .enumerate()
+            .map(|(k, parameter)| Estimate {
+                parameter: parameter.clone(),
+                value: self.state.values[k],
+                sigma: sigmas[k],
+                all: all(k),
+                plausible: self.state.plausible[k],
+                observed: known.observed[k],
+            })
+            .collect();
+        let correlation = solve::correlation(&covariance);
+        let options = self.options;
+        let correlated = self.state.correlated;
+        let settled = self.state.settled;
+        let runs = self.identified(&left_mm, &noise);
+        let cautions = cautions::cautions(&runs, rms_mm, &noise, options, settled);
+        Ok(Identification {
+            estimates,
+            correlation: Matrix::from_fn(count, count, |i, k| correlation[(i, k)]),
+            covariance: Matrix::from_fn(count, count, |i, k| covariance[(i, k)]),
+            left_open,
+            rank: known.rank,
+            correlated,
+            condition: spectrum.condition_of(outcome.solution.rank()),
+            null_directions: spectrum.null_directions(outcome.solution.rank(), 0.02),
+            noise,
+            runs,
+            rms_mm,
+            used: used.len(),
+            steps,
+            cautions,
+        })
+    }
+
+    /// What is left of the readings that take part, mm.
+    fn used_mm(&self, left_mm: &[Vec<f64>]) -> Vec<f64> {
         let apart = self.state.apart.iter().flatten();
         let used = left_mm.iter().flatten().zip(apart).filter(|(_, apart)| apart.is_none());
-        let used: Vec<f64> = used.map(|(left_mm, _)| *left_mm).collect();
-        let rms_mm = residuals::rms(&used);
+        used.map(|(left_mm, _)| *left_mm).collect()
+    }
+
+    /// The noise of what is left.
+    pub(super) fn noise(&self, left_mm: &[Vec<f64>], outcome: &Outcome) -> Result<NoiseModel> {
+        let fitted = self.known(&outcome.solution).rank;
         // The usual bound, 10 log10(N): the higher the sample rate, the longer the noise is in samples.
         // And not so high that what the fit has taken out is half of what such an order sums up.
-        let samples = used.len().max(1) as f64;
-        let most = 0.25 * samples / outcome.solution.rank().max(1) as f64;
+        let samples = self.used_mm(left_mm).len().max(1) as f64;
+        let most = 0.25 * samples / fitted.max(1) as f64;
         let order = most.min(10.0 * samples.log10()) as usize;
         let mut covariances = Autocovariances::new(order);
         for (index, of_run) in left_mm.iter().enumerate() {
@@ -39,46 +115,35 @@ impl Fit<'_> {
         // end, asks for more, and runs away.
         let order = noise.phi().len();
         for _ in 0..NOISE_PASSES {
-            let whole = covariances.with_fitted(outcome.solution.rank(), noise.long_run_variance());
+            let whole = covariances.with_fitted(fitted, noise.long_run_variance());
             noise = NoiseModel::fit(&whole, order)?;
         }
-        let filtered = self.filtered(&noise)?;
-        let covariance = outcome.solution.covariance_sandwich(&filtered);
-        let sigmas = solve::standard_deviations(&covariance);
-        self.state_times(&covariance);
+        Ok(noise)
+    }
+
+    /// What the readings decided, and what they left to what is plausible.
+    pub(super) fn known(&self, solution: &Solution) -> Decided {
         let count = self.columns.coefficients;
-        let spectrum = outcome.solution.spectrum();
-        let observed = outcome.solution.observed_fraction();
-        let estimates = self
-            .model
-            .parameters()
-            .iter()
-            .enumerate()
-            .map(|(k, parameter)| Estimate {
-                parameter: parameter.clone(),
-                value: self.state.values[k],
-                sigma: sigmas[k],
-                observed: observed[k],
-            })
+        if !self.state.knows() {
+            let lost = self.columns.total - solution.rank();
+            let observed = solution.observed_fraction();
+            return Decided { observed, rank: count - lost, left_open: None };
+        }
+        let inverse = solution.covariance_unscaled();
+        let plausible = &self.state.plausible;
+        let sigma = |k: usize| plausible[k].unwrap_or(f64::INFINITY);
+        let observed: Vec<f64> = (0..count)
+            .map(|k| (1.0 - inverse[(k, k)] / sigma(k).powi(2)).clamp(0.0, 1.0))
             .collect();
-        let lost = self.columns.total - outcome.solution.rank();
-        let correlation = solve::correlation(&covariance);
-        let loss = self.options.loss;
-        let runs = self.identified(&left_mm, &noise);
-        let cautions = cautions::cautions(&runs, rms_mm, &noise, loss);
-        Ok(Identification {
-            estimates,
-            correlation: Matrix::from_fn(count, count, |i, k| correlation[(i, k)]),
-            rank: count - lost,
-            condition: spectrum.condition_of(outcome.solution.rank()),
-            null_directions: spectrum.null_directions(outcome.solution.rank(), 0.02),
-            noise,
-            runs,
-            rms_mm,
-            used: used.len(),
-            steps,
-            cautions,
-        })
+        // After the faults of the machine, how its control may drive.
+        let driven = self.driven().into_iter().map(|(column, _, sigma)| (column, sigma));
+        let faults: Vec<(usize, f64)> = (0..count).map(|k| (k, sigma(k))).chain(driven).collect();
+        let left_open = Matrix::from_fn(count, faults.len(), |i, k| {
+            let (column, sigma) = faults[k];
+            inverse[(i, column)] / sigma
+        });
+        let rank = observed.iter().sum::<f64>().round() as usize;
+        Decided { observed, rank, left_open: Some(left_open) }
     }
 
     /// The rows `W J`, filtered by the noise, for the sandwich.
@@ -91,9 +156,9 @@ impl Fit<'_> {
                 filter.begin(segment.len());
                 for k in segment.rev() {
                     let sample = &run.samples()[k];
-                    let speed = self.speed_mm_s(run, sample);
-                    self.fill_row(&mut row, index, sample, speed);
-                    let weight = self.weight(index, k) / self.state.sigma_mm.powi(2);
+                    let view = self.view(run, sample);
+                    self.fill_row(&mut row, index, sample, &view);
+                    let weight = self.weight(index, k) / self.state.counts_mm().powi(2);
                     for value in &mut row {
                         *value *= weight;
                     }

@@ -10,6 +10,7 @@ use toml::Spanned;
 use super::axis::Axis;
 use super::clearance::Clearance;
 use super::clearance::RawClearance;
+use super::plausible::{Plausible, RawPlausible};
 use super::topology::Topology;
 use crate::error::{Error, Place, Result};
 use crate::toml_text::{self, Text};
@@ -112,6 +113,7 @@ pub struct Machine {
     slides: [Slide; 3],
     controller: Controller,
     clearance: Clearance,
+    plausible: Plausible,
 }
 
 impl Machine {
@@ -136,6 +138,7 @@ impl Machine {
         ];
         let controller = raw.controller.check(&text)?;
         let clearance = raw.clearance.check(&text)?;
+        let plausible = raw.plausible.check(&text)?;
         Ok(Self {
             name: raw.name,
             file: file.to_path_buf(),
@@ -143,6 +146,7 @@ impl Machine {
             slides,
             controller,
             clearance,
+            plausible,
         })
     }
 
@@ -176,6 +180,11 @@ impl Machine {
         &self.clearance
     }
 
+    /// How large its errors plausibly are.
+    pub fn plausible(&self) -> &Plausible {
+        &self.plausible
+    }
+
     /// The same machine with the pivot of one slide moved.
     #[must_use]
     pub fn with_pivot(mut self, axis: Axis, pivot: Pivot) -> Self {
@@ -194,6 +203,8 @@ struct RawMachine {
     controller: RawController,
     #[serde(default)]
     clearance: RawClearance,
+    #[serde(default)]
+    plausible: RawPlausible,
 }
 
 #[derive(Deserialize)]

@@ -1,6 +1,6 @@
 //! The machine where it was measured: errors of each slide about the middle of a test.
 //!
-//! With `c` the middle of a test in machine coordinates, `r` the half of its range and `u = (h - c) / r`, a slide
+//! With `c` the middle of a test in machine coordinates, `r` how far it went from there and `u = (h - c) / r`, a slide
 //! has three functions `T` (mm): what it displaces the ball by while the other slides stand at `c`; and three
 //! functions `R` (rad): rotations that act through what the lever to the ball differs from the one that it has
 //! while the other slides stand at `c`,
@@ -18,18 +18,22 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
+use super::coefficient::Component;
 use super::jacobian::Situation;
-use super::local::Local;
+use super::local::{Local, LocalShape};
 use super::motion::Motion;
 use super::term::{Parameter, ParameterId, Term};
-use crate::machine::{Axis, ChainErrors, Machine, Mounting, Pose};
+use crate::machine::{Axis, ChainErrors, Machine, Mounting, Plausible, Pose};
+
+/// A slide that moves less than this in a test stands still, mm: so little is rounding of its program.
+const STANDS_MM: f64 = 0.1;
 
 /// Where a test measured: its middle, its range, and how the levers change about the middle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LocalFrame {
-    /// `c`: machine coordinates of X, Y, Z, mm.
+    /// `c`: machine coordinates of X, Y, Z, mm: the centre of the sphere, of several mountings that of all.
     pub middle_mm: Vector3<f64>,
-    /// `r`: half of the range of X, Y, Z, mm; 0 of a slide that stood still.
+    /// `r`: how far from `c` X, Y, Z went, mm; 0 of a slide that stood still.
     pub reach_mm: Vector3<f64>,
     /// Lever of each slide to the tool ball of the first mounting at the middle, mm.
     lever_mm: [Vector3<f64>; 3],
@@ -40,19 +44,24 @@ pub struct LocalFrame {
 }
 
 impl LocalFrame {
-    /// About the middle of these machine coordinates, mm; `None` where there are none.
+    /// About the middle of these mountings, as far as these machine coordinates go, mm; `None` where there are none.
     pub fn around(
         machine: &Machine,
         mountings: &[Mounting],
         positions_mm: impl Iterator<Item = Vector3<f64>>,
     ) -> Option<Self> {
         let first = mountings.first()?;
-        let ends = |ends: Option<[Vector3<f64>; 2]>, at: Vector3<f64>| {
+        let around = |ends: Option<[Vector3<f64>; 2]>, at: Vector3<f64>| {
             let [low, high] = ends.unwrap_or([at, at]);
             Some([low.inf(&at), high.sup(&at)])
         };
-        let [low, high] = positions_mm.fold(None, ends)?;
-        let middle_mm = 0.5 * (low + high);
+        let [low, high] = positions_mm.fold(None, around)?;
+        let [nearest, farthest] = mountings.iter().map(|m| m.coincidence_mm).fold(None, around)?;
+        let stands = (high - low).map(|way_mm| way_mm < STANDS_MM);
+        let (of_stand, of_balls) = (0.5 * (low + high), 0.5 * (nearest + farthest));
+        let middle_mm = Vector3::from_fn(|k, _| if stands[k] { of_stand[k] } else { of_balls[k] });
+        let farthest_mm = (high - middle_mm).sup(&(middle_mm - low));
+        let reach_mm = farthest_mm.zip_map(&stands, |mm, stands| if stands { 0.0 } else { mm });
         let lever = |axis: Axis, at: &Vector3<f64>| machine.lever_mm(axis, first, at);
         let growth = Axis::ALL.map(|axis| {
             let by = |k: usize| {
@@ -63,7 +72,7 @@ impl LocalFrame {
         });
         Some(Self {
             middle_mm,
-            reach_mm: 0.5 * (high - low),
+            reach_mm,
             lever_mm: Axis::ALL.map(|axis| lever(axis, &middle_mm)),
             growth,
             tool_mm: mountings.iter().map(|m| m.tool_ball_mm - first.tool_ball_mm).collect(),
@@ -97,38 +106,64 @@ impl LocalFrame {
     }
 }
 
-/// A local error as a term.
+/// The local errors of one slide as a term.
 #[derive(Debug, Clone)]
 pub struct LocalTerm {
-    /// Which.
-    pub of: Local,
+    slide: Axis,
     /// About what.
-    pub frame: Arc<LocalFrame>,
+    frame: Arc<LocalFrame>,
+    /// What is plausible for each of its shapes, mm and rad; 0 where a slide that stands still has none.
+    plausible: [[f64; 4]; 6],
+    count: usize,
 }
 
 impl LocalTerm {
-    fn basis(&self, pose: &Pose) -> f64 {
-        self.frame.basis(self.of.slide, pose)[self.of.shape as usize]
+    /// The errors of a slide about a place, of a machine of which this is plausible.
+    pub fn new(slide: Axis, frame: &Arc<LocalFrame>, plausible: &Plausible) -> Self {
+        let reach_mm = frame.reach_mm[slide.index()];
+        let plausible = Component::ALL.map(|component| {
+            LocalShape::ALL
+                .map(|shape| Local { slide, component, shape }.plausible(plausible, reach_mm))
+        });
+        let count = plausible.iter().flatten().filter(|sigma| **sigma > 0.0).count();
+        Self { slide, frame: Arc::clone(frame), plausible, count }
+    }
+
+    /// Component and shape of each parameter; what cannot move has no slope.
+    fn parts(&self) -> impl Iterator<Item = (Component, LocalShape)> {
+        let of = |component: Component| {
+            let plausible = self.plausible[component as usize];
+            let some = move |shape: &LocalShape| plausible[*shape as usize] > 0.0;
+            LocalShape::ALL.into_iter().filter(some).map(move |shape| (component, shape))
+        };
+        Component::ALL.into_iter().flat_map(of)
     }
 }
 
 impl Term for LocalTerm {
     fn parameters(&self) -> Vec<Parameter> {
-        let unit = if self.of.component.is_angular() { "rad" } else { "mm" };
-        vec![Parameter { id: ParameterId::Local(self.of), name: self.of.to_string(), unit }]
+        let parameter = |(component, shape): (Component, LocalShape)| {
+            let of = Local { slide: self.slide, component, shape };
+            let unit = if component.is_angular() { "rad" } else { "mm" };
+            let plausible = Some(self.plausible[component as usize][shape as usize]);
+            Parameter { id: ParameterId::Local(of), name: of.to_string(), unit, plausible }
+        };
+        self.parts().map(parameter).collect()
+    }
+
+    fn parameter_count(&self) -> usize {
+        self.count
     }
 
     fn columns(&self, at: &Situation, out: &mut [f64]) {
-        let Local { slide, component, .. } = self.of;
         // `± u` of the slide: minus on the workpiece side.
-        let along = at.slides[slide.index()].translation;
-        let one = if component.is_angular() {
-            let beside_mm = self.frame.beside_mm(slide, &at.pose, at.mounting);
-            beside_mm.cross(&along)[component.direction()]
-        } else {
-            along[component.direction()]
-        };
-        out[0] = one * self.basis(&at.pose);
+        let along = at.slides[self.slide.index()].translation;
+        let turned = self.frame.beside_mm(self.slide, &at.pose, at.mounting).cross(&along);
+        let basis = self.frame.basis(self.slide, &at.pose);
+        for (column, (component, shape)) in out.iter_mut().zip(self.parts()) {
+            let one = if component.is_angular() { &turned } else { &along };
+            *column = one[component.direction()] * basis[shape as usize];
+        }
     }
 
     fn bend(
@@ -139,16 +174,16 @@ impl Term for LocalTerm {
         _mounting: usize,
         errors: &mut ChainErrors,
     ) {
-        let Local { slide, component, .. } = self.of;
-        let amount = values[0] * self.basis(at);
-        let of_slide = &mut errors.slides[slide.index()];
-        if component.is_angular() {
-            let turn_rad = Vector3::ith(component.direction(), amount);
-            of_slide.rotation_rad += turn_rad;
-            // Where the other slides stand at the middle it displaces nothing.
-            of_slide.translation_mm -= turn_rad.cross(&self.frame.alone_mm(slide, at));
-        } else {
-            of_slide.translation_mm[component.direction()] += amount;
+        let basis = self.frame.basis(self.slide, at);
+        let (mut moved_mm, mut turned_rad) = (Vector3::zeros(), Vector3::zeros());
+        for (value, (component, shape)) in values.iter().zip(self.parts()) {
+            let of = if component.is_angular() { &mut turned_rad } else { &mut moved_mm };
+            of[component.direction()] += value * basis[shape as usize];
         }
+        // Where the other slides stand at the middle a rotation displaces nothing.
+        moved_mm -= turned_rad.cross(&self.frame.alone_mm(self.slide, at));
+        let of_slide = &mut errors.slides[self.slide.index()];
+        of_slide.rotation_rad += turned_rad;
+        of_slide.translation_mm += moved_mm;
     }
 }

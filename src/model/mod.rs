@@ -47,7 +47,7 @@ pub use local_frame::{LocalFrame, LocalTerm};
 pub use model_file::ModelFile;
 pub use motion::{Corner, Motion, Reversal};
 pub use seat::{Seat, SeatKind};
-pub use sets::{COMPLETE, NAMED_SETS, coefficients, terms};
+pub use sets::{COMPLETE, LOCAL, NAMED_SETS, coefficients, local_terms, terms};
 pub use shape::Shape;
 pub use term::{Model, Parameter, ParameterId, Term};
 pub use unit::Unit;

@@ -1,16 +1,27 @@
 //! Named sets of terms.
 
+use std::sync::Arc;
+
 use super::coefficient::{Ball, Coefficient, SetUp};
+use super::local_frame::{LocalFrame, LocalTerm};
 use super::shape::Shape;
 use super::term::SetUpTerm;
 use super::term::Term;
 use crate::error::{Error, Result};
+use crate::machine::{Axis, Plausible};
+
+/// The errors of the machine where it was measured, with what is plausible for them: see [`local_terms`].
+pub const LOCAL: &str = "local";
 
 /// The set that is chosen by what a test can see; as a list of names it stands for all.
 pub const COMPLETE: &str = "complete";
 
 /// The sets that have a name, with what they are.
-pub const NAMED_SETS: [(&str, &str); 6] = [
+pub const NAMED_SETS: [(&str, &str); 7] = [
+    (
+        LOCAL,
+        "the default: 24 errors of each slide about the middle of the test and 3 set-up errors a mounting, each as large as is plausible for the machine; effects may stand beside it, other terms may not",
+    ),
     (
         COMPLETE,
         "the largest set that the test can tell apart, on this machine and in these mountings; terms named beside it are preferred to others",
@@ -135,7 +146,7 @@ pub fn terms(names: &[String], mountings: &[String]) -> Result<Vec<Box<dyn Term>
     for (set_up, mounting) in set_ups {
         let mounting_name =
             if mountings.len() > 1 { mountings[mounting].clone() } else { String::new() };
-        terms.push(Box::new(SetUpTerm { set_up, mounting, mounting_name }));
+        terms.push(Box::new(SetUpTerm { set_up, mounting, mounting_name, plausible_mm: None }));
     }
     for (index, effect) in effects.iter().enumerate() {
         if !effects[..index].contains(effect) {
@@ -143,6 +154,31 @@ pub fn terms(names: &[String], mountings: &[String]) -> Result<Vec<Box<dyn Term>
         }
     }
     Ok(terms)
+}
+
+/// The errors of each slide about the middle of a test, without what a slide that stood still cannot show, and the
+/// set-up errors of the tool ball in each mounting; all with what is plausible for the machine.
+pub fn local_terms(
+    frame: &Arc<LocalFrame>,
+    plausible: &Plausible,
+    mountings: &[String],
+) -> Vec<Box<dyn Term>> {
+    let mut terms: Vec<Box<dyn Term>> = Vec::new();
+    for slide in Axis::ALL {
+        terms.push(Box::new(LocalTerm::new(slide, frame, plausible)));
+    }
+    for (mounting, name) in mountings.iter().enumerate() {
+        let mounting_name = if mountings.len() > 1 { name.clone() } else { String::new() };
+        for set_up in SetUp::all().filter(|set_up| set_up.ball == Ball::Tool) {
+            terms.push(Box::new(SetUpTerm {
+                set_up,
+                mounting,
+                mounting_name: mounting_name.clone(),
+                plausible_mm: Some(plausible.set_up_mm),
+            }));
+        }
+    }
+    terms
 }
 
 /// `EXt@A`: a set-up error of one mounting, with the index of the mounting.

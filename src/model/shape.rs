@@ -177,6 +177,7 @@ impl Term for Shape {
             id: ParameterId::Amplitude,
             name: format!("{name}{part}"),
             unit: self.unit(),
+            plausible: None,
         };
         match (self.law(), self.amplitudes()) {
             (Law::Wave(..), _) => vec![of(" sin".into()), of(" cos".into())],

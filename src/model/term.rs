@@ -42,7 +42,7 @@ impl ParameterId {
 }
 
 /// A number that a term estimates.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
     /// What it is.
     pub id: ParameterId,
@@ -50,6 +50,8 @@ pub struct Parameter {
     pub name: String,
     /// Its unit, such as `mm/mm`.
     pub unit: &'static str,
+    /// Standard deviation of what it plausibly is, in its unit; `None` where the readings alone decide.
+    pub plausible: Option<f64>,
 }
 
 impl Parameter {
@@ -109,7 +111,7 @@ pub trait Term: Debug + Send + Sync {
 impl Term for Coefficient {
     fn parameters(&self) -> Vec<Parameter> {
         let id = ParameterId::Coefficient(*self);
-        vec![Parameter { id, name: self.to_string(), unit: self.unit() }]
+        vec![Parameter { id, name: self.to_string(), unit: self.unit(), plausible: None }]
     }
 
     fn columns(&self, at: &Situation, out: &mut [f64]) {
@@ -141,12 +143,14 @@ impl Term for Coefficient {
 }
 
 /// A set-up error belongs to one mounting; another mounting brings its own.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct SetUpTerm {
     pub(super) set_up: SetUp,
     pub(super) mounting: usize,
     /// Name of the mounting where a test has several, empty where it has one.
     pub(super) mounting_name: String,
+    /// See [`Parameter::plausible`], mm.
+    pub(super) plausible_mm: Option<f64>,
 }
 
 impl Term for SetUpTerm {
@@ -156,7 +160,7 @@ impl Term for SetUpTerm {
             mounting => format!("{}@{mounting}", self.set_up),
         };
         let id = ParameterId::SetUp(self.set_up, self.mounting);
-        vec![Parameter { id, name, unit: "mm" }]
+        vec![Parameter { id, name, unit: "mm", plausible: self.plausible_mm }]
     }
 
     fn columns(&self, at: &Situation, out: &mut [f64]) {
@@ -229,12 +233,14 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// Length between the balls through the exact chain, mm.
-    pub fn length_mm(&self, values: &[f64], pose: &Pose, motion: &Motion, mounting: usize) -> f64 {
-        // A perfect machine puts the balls where the inverse kinematics say.
-        if !self.holds && values.iter().all(|value| *value == 0.0) {
-            return (pose.position_mm - self.mountings[mounting].coincidence_mm).norm();
-        }
+    /// What the parameters' values do to the exact chain at a pose.
+    pub fn errors(
+        &self,
+        values: &[f64],
+        pose: &Pose,
+        motion: &Motion,
+        mounting: usize,
+    ) -> ChainErrors {
         let mut errors = ChainErrors::zero();
         let mut column = 0;
         for term in &self.terms {
@@ -242,6 +248,16 @@ impl<'a> Model<'a> {
             term.bend(&values[column..next], pose, motion, mounting, &mut errors);
             column = next;
         }
+        errors
+    }
+
+    /// Length between the balls through the exact chain, mm.
+    pub fn length_mm(&self, values: &[f64], pose: &Pose, motion: &Motion, mounting: usize) -> f64 {
+        // A perfect machine puts the balls where the inverse kinematics say.
+        if !self.holds && values.iter().all(|value| *value == 0.0) {
+            return (pose.position_mm - self.mountings[mounting].coincidence_mm).norm();
+        }
+        let errors = self.errors(values, pose, motion, mounting);
         let ball_mm =
             self.machine.ball_vector_mm(&self.mountings[mounting], &pose.position_mm, &errors);
         let length_mm = ball_mm.norm();
@@ -263,6 +279,20 @@ impl<'a> Model<'a> {
             let up = Vector3::ith(Axis::Z.index(), 1.0);
             Situation::along(self.machine, balls, mounting, pose, up)
         });
+        Situation { motion: *motion, ..at }
+    }
+
+    /// The situation at a pose, seen along a unit vector: its row is what the parameters displace the tool by against
+    /// the workpiece, in that direction.
+    pub fn situation_along(
+        &self,
+        pose: &Pose,
+        motion: &Motion,
+        mounting: usize,
+        direction: Vector3<f64>,
+    ) -> Situation {
+        let balls = &self.mountings[mounting];
+        let at = Situation::along(self.machine, balls, mounting, pose, direction);
         Situation { motion: *motion, ..at }
     }
 }

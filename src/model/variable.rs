@@ -175,6 +175,7 @@ impl Term for Empirical {
             id: ParameterId::Amplitude,
             name: format!("{name} at {knot:.1} {}", self.variable.unit()),
             unit,
+            plausible: None,
         };
         self.knots.iter().map(of).collect()
     }

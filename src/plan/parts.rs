@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::arc::Arc;
 use super::strategy::Strategy;
 use crate::machine::Mounting;
-use crate::model::{Empirical, ModelFile};
+use crate::model::{COMPLETE, Empirical, LOCAL, ModelFile};
 use crate::solve::Loss;
 
 /// The instrument.
@@ -112,6 +112,17 @@ pub struct Estimation {
 }
 
 impl Estimation {
+    /// Whether the machine is described where it is measured.
+    pub fn is_local(&self) -> bool {
+        self.terms.iter().any(|name| name == LOCAL)
+    }
+
+    /// The terms as coefficients of the paper: where the machine is described where it is measured, all that the test
+    /// can tell apart.
+    pub fn coefficients(&self) -> Vec<String> {
+        if self.is_local() { vec![COMPLETE.to_owned()] } else { self.terms.clone() }
+    }
+
     /// Takes the terms and the curves of a model file instead.
     pub fn take(&mut self, model: &ModelFile) {
         self.terms.clone_from(&model.terms);

@@ -238,9 +238,9 @@ pub(super) struct RawEstimation {
 impl RawEstimation {
     pub(super) fn check(self, text: &Text<'_>) -> Result<Estimation> {
         let terms = match self.terms {
-            None => vec![model::COMPLETE.to_owned()],
+            None => vec![model::LOCAL.to_owned()],
             Some(written) => {
-                model::terms(written.get_ref(), &[String::new()])
+                check_terms(written.get_ref())
                     .map_err(|error| error.at(text.place(written.span())))?;
                 written.into_inner()
             }
@@ -248,6 +248,20 @@ impl RawEstimation {
         let minimum_norm = self.minimum_norm || terms.iter().any(|name| name == "all");
         Ok(Estimation { terms, loss: self.loss, minimum_norm, curves: Vec::new() })
     }
+}
+
+/// Checks that a list of terms can be estimated together.
+fn check_terms(names: &[String]) -> Result<()> {
+    if !names.iter().any(|name| name == model::LOCAL) {
+        return model::terms(names, &[String::new()]).map(|_| ());
+    }
+    let others: Vec<String> = names.iter().filter(|name| *name != model::LOCAL).cloned().collect();
+    if let Some(other) = others.iter().find(|name| !name.contains(':')) {
+        return Err(Error::input(format!("`{other}` cannot stand beside `{}`", model::LOCAL)).hint(
+            "`local` describes the whole machine where it was measured: leave one of the two out; effects such as `cyclic:on=EXX,period_mm=10` may stand beside it",
+        ));
+    }
+    if others.is_empty() { Ok(()) } else { model::terms(&others, &[String::new()]).map(|_| ()) }
 }
 
 #[derive(Deserialize)]

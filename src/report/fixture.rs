@@ -33,7 +33,7 @@ pub(super) fn diagnosed() -> &'static Identified {
     static CASE: LazyLock<Identified> = LazyLock::new(|| {
         let (test, machine, campaign) = campaign("case-a");
         let diagnosis = diagnose(&test, &machine, &campaign).unwrap();
-        let mut analysis = Analysis::new(&test, &machine, &campaign.repeats);
+        let mut analysis = Analysis::new(&test, &machine, &campaign);
         analysis.diagnosis = Some(DiagnosisFacts::new(&machine, &campaign.repeats, &diagnosis));
         Identified { analysis, identifications: campaign.repeats }
     });
@@ -43,7 +43,7 @@ pub(super) fn diagnosed() -> &'static Identified {
 /// Aligns and identifies a set of `tests/data`.
 pub(super) fn work_out(set: &str) -> Identified {
     let (test, machine, campaign) = campaign(set);
-    let analysis = Analysis::new(&test, &machine, &campaign.repeats);
+    let analysis = Analysis::new(&test, &machine, &campaign);
     Identified { analysis, identifications: campaign.repeats }
 }
 

@@ -34,6 +34,7 @@ pub use analysis::facts::{
 pub use analysis::html;
 pub use analysis::machine_errors::{Hysteresis, MachineErrors, Reversal, Scale, Squareness};
 pub use analysis::means::MeanResult;
+pub use analysis::place::PlaceResult;
 pub use analysis::samples::{write_aligned, write_samples};
 pub use analysis::terminal::{runs_table, summary};
 pub use design::facts::{proposal_json, unseen_of};

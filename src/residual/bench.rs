@@ -107,6 +107,7 @@ fn samples(machine: &Machine, mounting: &Mounting, arc: usize, forward: bool) ->
             section: usize::from(!forward),
             record: record(pose, motion, usize::from(!forward)),
             situation: Situation { motion, ..situation },
+            left_mm: 0.0,
             root_weight: 1.0,
         }
     };

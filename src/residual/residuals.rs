@@ -11,8 +11,6 @@ use crate::machine::Machine;
 use crate::plan::Test;
 use crate::solve::{Basis, Matrix, dot};
 
-/// Samples of a run that are looked at; of longer logs every so many.
-const MOST: usize = 12_000;
 /// Programs whose durations differ by less than this share are one.
 const SAME_DURATION: f64 = 1e-6;
 
@@ -80,15 +78,14 @@ impl Residuals {
             .par_iter()
             .enumerate()
             .map(|(index, repeat)| {
-                repeat.linearised(&campaign.model(test, machine, index)?, &options, MOST)
+                repeat.linearised(&campaign.model(test, machine, index)?, &options)
             })
             .collect::<Result<Vec<_>>>()?;
         let mut arcs = 0;
         let mut programs = Vec::new();
         let (mut repeats, mut model_mm) = (Vec::new(), Vec::new());
         for (identified, linear) in campaign.repeats.iter().zip(linear) {
-            let weighed = linear.samples.iter().map(|s| s.record.residual_mm * s.root_weight);
-            model_mm.push(weighed.collect());
+            model_mm.push(linear.samples.iter().map(|s| s.left_mm * s.root_weight).collect());
             repeats.push(Repeat::of(identified, linear, &mut arcs, &mut programs));
         }
         let way_mm = [0, 1, 2].map(|slide| {

@@ -92,7 +92,7 @@ impl Stage {
         };
         let mut blocks = Vec::new();
         for (of_repeat, repeat) in course.repeats().iter().zip(&campaign.repeats) {
-            let linear = repeat.linearised(&model, &options, MOST)?;
+            let linear = repeat.linearised(&model, &options)?;
             let mut readings = Vec::with_capacity(linear.samples.len());
             for sample in &linear.samples {
                 let run = of_repeat[sample.run];
@@ -225,6 +225,3 @@ impl Stage {
         Ok(Some((effect, trace)))
     }
 }
-
-/// Samples of a run that are looked at; of longer logs every so many.
-const MOST: usize = 12_000;

@@ -58,10 +58,10 @@ fn a_simulated_test_is_ready_to_be_analysed() {
     let truth: toml::Table =
         toml::from_str(&std::fs::read_to_string(work.path("results/truth.toml")).unwrap()).unwrap();
     let backlash = truth["run"][0]["coefficients"]["EYYb"].as_float().unwrap();
-    let parameters = analysis["repeats"][0]["parameters"].as_array().unwrap();
-    let estimate = parameters.iter().find(|p| p["name"] == "EYYb").unwrap();
-    let off = estimate["value"].as_f64().unwrap() - backlash;
-    assert!(off.abs() < 5.0 * estimate["sigma"].as_f64().unwrap(), "{off}");
+    let asked = analysis["at_the_place"].as_array().unwrap();
+    let reversal = asked.iter().find(|asked| asked["quantity"] == "reversal Y").unwrap();
+    let off_um = reversal["value"].as_f64().unwrap() - 2e3 * backlash;
+    assert!(off_um.abs() < 5.0 * reversal["all"].as_f64().unwrap(), "{off_um}");
 }
 
 #[test]

@@ -181,7 +181,8 @@ fn two_mountings_may_use_bars_of_different_lengths() {
     let work = Work::new();
     let places =
         [("long", [-60.0, -60.0, 0.0], ""), ("short", [80.0, 60.0, 90.0], "bar_length_mm = 100.0")];
-    let rest = "[plan]\nstrategy = \"3d6\"\nfeed_mm_min = 500.0\n";
+    let rest =
+        "[plan]\nstrategy = \"3d6\"\nfeed_mm_min = 500.0\n[identify]\nterms = [\"complete\"]\n";
     // The machine of the paper's Table 5 errs in what `observable35` holds.
     let analysis = simulated(&work, &test_of(&places, rest), "seed = 3\n");
     let program = std::fs::read_to_string(work.path("virtual/O1002.nc")).unwrap();

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod blind;
+mod everywhere;
 mod judge;
 mod laid_over;
 mod measured;

@@ -112,9 +112,10 @@ fn what_holds_structure_is_shown_first_and_gone_afterwards() {
     let peak = spectrum.bins.iter().max_by(|a, b| a.before_mm.total_cmp(&b.before_mm)).unwrap();
     // One wave in 10 mm.
     assert!((peak.center - 0.1).abs() < 0.005, "{peak:?}");
-    // On every arc that two runs drove nearly nothing repeats any more.
+    // On every arc that two runs drove nothing repeats any more but by chance: neighbours hang together in pairs.
     for arc in &diagnosis.arcs {
-        assert!(arc.structure_after.unwrap().abs() < 0.15, "{arc:?}");
+        let pairs = 0.5 * arc.samples as f64 / arc.runs as f64;
+        assert!(arc.structure_after.unwrap().abs() < 3.0 / pairs.sqrt(), "{arc:?}");
     }
     let picture = diagnosis.pictures[0].as_ref().unwrap();
     let far = picture.points.iter().map(|p| ((p.measured - p.fitted) / p.sigma).abs());

@@ -5,7 +5,7 @@ use std::sync::Arc as Shared;
 
 use ballbar::identify::ideal_poses;
 use ballbar::machine::{Machine, Mounting, Plausible, Pose};
-use ballbar::model::{Local, LocalFrame, LocalTerm, Model, Motion, ParameterId, Term, terms};
+use ballbar::model::{LocalFrame, Model, Motion, local_terms};
 use ballbar::plan::{Arc, Strategy};
 use ballbar::solve::{Cholesky, Matrix, Tsqr};
 use nalgebra::Vector3;
@@ -38,11 +38,7 @@ fn local_model<'a>(
 ) -> (Model<'a>, Shared<LocalFrame>) {
     let at = poses.iter().map(|pose| pose.position_mm);
     let frame = Shared::new(LocalFrame::around(machine, &[*mounting], at).unwrap());
-    let mut of: Vec<Box<dyn Term>> = Local::all()
-        .map(|of| Box::new(LocalTerm { of, frame: Shared::clone(&frame) }) as Box<dyn Term>)
-        .collect();
-    let set_ups = ["EXt", "EYt", "EZt"].map(str::to_owned);
-    of.extend(terms(&set_ups, &["A".to_owned()]).unwrap());
+    let of = local_terms(&frame, &Plausible::default(), &["A".to_owned()]);
     (Model::new(machine, vec![*mounting], of), frame)
 }
 
@@ -55,18 +51,14 @@ fn rows(model: &Model, poses: &[Pose]) -> Vec<Vec<f64>> {
     poses.iter().map(row).collect()
 }
 
-fn prior(model: &Model, frame: &LocalFrame, plausible: &Plausible) -> Vec<f64> {
-    let sigma = |id: ParameterId| match id {
-        ParameterId::Local(of) => of.plausible(plausible, frame.reach_mm[of.slide.index()]),
-        _ => plausible.set_up_mm,
-    };
-    model.parameters().iter().map(|parameter| sigma(parameter.id)).collect()
+fn prior(model: &Model) -> Vec<f64> {
+    model.parameters().iter().map(|parameter| parameter.plausible.unwrap()).collect()
 }
 
 /// `trace((J'J + P)^-1 J'J)`: how many numbers the readings decide and not what is plausible.
 fn effective(machine: &Machine, mounting: &Mounting, poses: &[Pose], readings: f64) -> f64 {
-    let (model, frame) = local_model(machine, mounting, poses);
-    let priors = prior(&model, &frame, &Plausible::default());
+    let (model, _) = local_model(machine, mounting, poses);
+    let priors = prior(&model);
     let weight = (readings / poses.len() as f64).sqrt() / NOISE_MM;
     // In units of the priors: what is not plausible at all, a slope of a slide that stands still, is gone.
     let n = priors.len();

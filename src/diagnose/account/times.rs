@@ -62,14 +62,15 @@ pub(crate) fn off(test: &Test, campaign: &Campaign) -> Vec<OffTime> {
         let stated_percent = 100.0 * stated(&run.name);
         let total = run.alignment.trajectory.duration();
         let share = total.feed_s / total.known_s().max(1e-9);
-        let percent = stated_percent * (1.0 + map.override_excess);
+        let excess = map.override_excess + map.pace;
+        let percent = stated_percent * (1.0 + excess);
         let sigma_percent = stated_percent * map.override_sigma;
         OffTime {
             run: run.name.clone(),
             stated_percent,
             percent,
             sigma_percent,
-            clock_ppm: 1e6 * (map.rate + map.override_excess * share),
+            clock_ppm: 1e6 * (map.rate + excess * share),
             cause: OffCause::of(stated_percent, percent, sigma_percent),
         }
     })

@@ -1,6 +1,7 @@
 //! What a reader should know before he believes the numbers.
 
 use super::facts::{Analysis, RunResult};
+use super::place::PlaceResult;
 use crate::report::text::numbers::{fixed, many};
 use crate::report::text::words::list;
 
@@ -14,13 +15,20 @@ pub(in crate::report) const DETERMINED: f64 = 0.99;
 /// The cautions of an analysis, the gravest first.
 pub(super) fn of(analysis: &Analysis) -> Vec<String> {
     let mut all = Vec::new();
-    all.extend(deficient(analysis));
-    all.extend(unexplained(analysis));
-    all.extend(changed(analysis));
+    if analysis.is_local() {
+        all.extend(unexplained(analysis));
+        all.extend(analysis.at_the_place.iter().filter_map(PlaceResult::caution));
+    } else {
+        all.extend(deficient(analysis));
+        all.extend(unexplained(analysis));
+        all.extend(changed(analysis));
+    }
     all.extend(analysis.runs().filter_map(|run| timing(run, analysis)));
     all.extend(feed(analysis));
     all.extend(rejected(analysis));
-    all.extend(close_pairs(analysis));
+    if !analysis.is_local() {
+        all.extend(close_pairs(analysis));
+    }
     all.extend(pauses(analysis));
     if analysis.repeats.len() == 1 {
         all.push(

@@ -4,8 +4,10 @@
 
 use serde::Serialize;
 
+use super::control::ControlResult;
 use super::machine_errors::MachineErrors;
 use super::means::MeanResult;
+use super::place::PlaceResult;
 use crate::error::{Error, Kind, Result};
 use crate::report::diagnosis::facts::DiagnosisFacts;
 use crate::solve::Loss;
@@ -35,7 +37,9 @@ pub struct Analysis {
     pub repeats: Vec<RepeatResult>,
     /// Every parameter over the repeats.
     pub over_repeats: Vec<MeanResult>,
-    /// Squareness, scale and reversal errors in people's units.
+    /// What people ask of the machine, at the place of the test.
+    pub at_the_place: Vec<PlaceResult>,
+    /// Squareness, scale and reversal errors in people's units, as single coefficients of the paper say them.
     pub machine_errors: MachineErrors,
     /// What the model gets wrong; `None` where nobody looked.
     pub diagnosis: Option<DiagnosisFacts>,
@@ -56,6 +60,11 @@ impl Analysis {
     /// All runs of all repeats, in order.
     pub fn runs(&self) -> impl Iterator<Item = &RunResult> {
         self.repeats.iter().flat_map(|repeat| &repeat.runs)
+    }
+
+    /// Whether the machine was described where it was measured, with what is plausible for it.
+    pub fn is_local(&self) -> bool {
+        self.at_the_place.iter().any(|result| result.all.is_some())
     }
 
     /// A parameter over the repeats.
@@ -243,6 +252,8 @@ pub struct RunResult {
     pub marks: Vec<MarkResult>,
     /// Operator's pauses.
     pub pauses: Vec<PauseResult>,
+    /// How the control drove.
+    pub control: ControlResult,
     /// Root mean square of the residuals of the samples that were used, um.
     pub residual_rms_um: f64,
     /// What became of the samples.

@@ -1,14 +1,15 @@
 //! From identifications to an [`Analysis`].
 
+use super::control::ControlResult;
 use super::facts::{
     Analysis, ArcResult, BallBarFacts, Correlation, FeedOverride, MachineFacts, MarkResult,
     MountingFacts, NoiseResult, ParameterResult, PauseResult, Pivots, RejectedSample, RepeatResult,
     RunResult, SampleCounts, TestFacts,
 };
 use super::machine_errors::MachineErrors;
-use super::{cautions, means};
+use super::{cautions, means, place};
 use crate::align::{Mark, MarkKind, TimeMap};
-use crate::identify::{self, Estimate, Identification, IdentifiedRun, Record};
+use crate::identify::{self, Campaign, Estimate, Identification, IdentifiedRun, Record};
 use crate::machine::{Axis, Machine, Pivot};
 use crate::model::Parameter;
 use crate::plan::{BallBar, Run, Test};
@@ -25,8 +26,9 @@ const CLOSE: f64 = 0.95;
 const MOST_REJECTED: usize = 300;
 
 impl Analysis {
-    /// Gathers what is told: one identification a repeat, each with the runs that were fitted together.
-    pub fn new(test: &Test, machine: &Machine, identifications: &[Identification]) -> Self {
+    /// Gathers what is told of a campaign.
+    pub fn new(test: &Test, machine: &Machine, campaign: &Campaign) -> Self {
+        let identifications = &campaign.repeats;
         let mut runs = StatedRuns::new(test);
         let repeats: Vec<RepeatResult> = identifications
             .iter()
@@ -44,6 +46,7 @@ impl Analysis {
             terms: test.estimation().terms.clone(),
             loss: test.estimation().loss,
             minimum_norm: test.estimation().minimum_norm,
+            at_the_place: place::of(test, machine, campaign),
             machine_errors: MachineErrors::new(machine, &over_repeats),
             repeats,
             over_repeats,
@@ -229,6 +232,7 @@ fn run_result(run: &IdentifiedRun, stated: Option<&Run>, mounting: String) -> Ru
         sample_period_s: alignment.sample_period_s,
         marks: alignment.marks.iter().map(|mark| mark_result(mark, map)).collect(),
         pauses: pauses(map),
+        control: ControlResult::of(map),
         residual_rms_um: identify::rms_mm(run) * 1e3,
         samples: counts(&run.records),
         arcs: arcs(run),
@@ -266,12 +270,13 @@ fn mark_result(mark: &Mark, map: &TimeMap) -> MarkResult {
 /// off; given the rate they are taken for independent.
 fn pauses(map: &TimeMap) -> Vec<PauseResult> {
     let rate_variance = map.rate_sigma.powi(2);
-    map.stops_s()
+    map.breaks()
         .iter()
-        .zip(map.pauses_s())
+        .zip(map.stood_s())
         .enumerate()
-        .map(|(stop, (&program_s, length_s))| {
-            let (before, after) = (stop, stop + 1);
+        .filter(|(_, (at, _))| at.operator)
+        .map(|(before, (at, length_s))| {
+            let (program_s, after) = (at.program_s, before + 1);
             let shared = if rate_variance > 0.0 {
                 map.offset_rate_covariances_s[before] * map.offset_rate_covariances_s[after]
                     / rate_variance

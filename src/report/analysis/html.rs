@@ -7,7 +7,7 @@ use super::cautions::DETERMINED;
 use super::facts::{Analysis, RepeatResult, RunResult};
 use super::figures::{self, Figure, RunPicture};
 use super::means::MeanResult;
-use super::{terminal, traces, verdict};
+use super::{place, terminal, traces, verdict};
 use crate::error::{Error, Kind, Result};
 use crate::identify::Identification;
 use crate::report::diagnosis;
@@ -24,6 +24,7 @@ struct Page<'a> {
     facts: Vec<(&'static str, String)>,
     coefficients: Vec<Vec<CoefficientRow>>,
     repeated: bool,
+    at_the_place: Vec<[String; 6]>,
     squareness: Vec<[String; 5]>,
     scale: Vec<[String; 4]>,
     reversal: Vec<[String; 5]>,
@@ -76,6 +77,7 @@ pub fn render(analysis: &Analysis, identifications: &[Identification]) -> Result
         facts: facts(analysis),
         coefficients: coefficients(analysis),
         repeated: analysis.repeats.len() > 1,
+        at_the_place: at_the_place(analysis),
         squareness: squareness(analysis),
         scale: scale(analysis),
         reversal: reversal(analysis),
@@ -167,6 +169,24 @@ fn spread(value: Option<f64>, decimals: usize, observed: f64) -> String {
         return format!("only {} observed", terminal::observed(observed));
     }
     shown(value, decimals)
+}
+
+/// What people ask, with both uncertainties, where the machine was described where it was measured.
+fn at_the_place(analysis: &Analysis) -> Vec<[String; 6]> {
+    let results = analysis.at_the_place.iter().filter(|_| analysis.is_local());
+    results
+        .map(|result| {
+            let places = place::decimals(result.noise.unwrap_or(0.0));
+            [
+                result.quantity.clone(),
+                typeset(&signed(result.value, places)),
+                shown(result.noise, places),
+                shown(result.all, places),
+                shown(result.deviation, places),
+                fine(&format!(" {}", result.unit)).trim().to_owned(),
+            ]
+        })
+        .collect()
 }
 
 fn squareness(analysis: &Analysis) -> Vec<[String; 5]> {

@@ -5,6 +5,7 @@
 
 mod arc_table;
 pub(super) mod cautions;
+mod control;
 pub(super) mod facts;
 mod figures;
 pub(super) mod gather;
@@ -12,6 +13,7 @@ pub mod html;
 pub(super) mod machine_errors;
 pub(super) mod means;
 mod mountings;
+pub(super) mod place;
 pub(super) mod samples;
 pub(super) mod terminal;
 mod traces;

@@ -24,9 +24,10 @@ pub fn write_samples(out: &mut impl Write, run: &IdentifiedRun) -> Result<()> {
     write_lines(out, &format!("{ALIGNED}{FITTED}"), lines)
 }
 
-/// Writes the samples of a run that was aligned, without what a fit made of them.
+/// Writes every reading of a run that was aligned, without what a fit made of them.
 pub fn write_aligned(out: &mut impl Write, run: &IdentifiedRun) -> Result<()> {
-    let lines = run.records.iter().map(|record| aligned(&run.alignment, &record.sample));
+    let every = run.alignment.every_reading();
+    let lines = every.iter().map(|sample| aligned(&run.alignment, sample));
     write_lines(out, ALIGNED, lines)
 }
 

@@ -6,7 +6,7 @@ use super::cautions::DETERMINED;
 use super::facts::{Analysis, RunResult};
 use super::machine_errors::MachineErrors;
 use super::means::MeanResult;
-use super::verdict;
+use super::{place, verdict};
 use crate::report::diagnosis;
 use crate::report::text::layout::{paragraph, table};
 use crate::report::text::numbers::{fixed, signed};
@@ -23,14 +23,21 @@ pub fn summary(analysis: &Analysis) -> String {
     }
     text.push_str("\nRuns\n");
     text.push_str(&runs_table(analysis));
-    text.push_str("\nCoefficients");
-    text.push_str(if analysis.repeats.len() > 1 {
-        " (mean of the repeats; sigma of one repeat; deviation between repeats)\n"
+    text.push_str("\nHow the control drove\n");
+    text.push_str(&control_table(analysis));
+    if analysis.is_local() {
+        text.push_str("\nThe machine at the place of the test\n");
+        text.push_str(&at_the_place(analysis));
     } else {
-        "\n"
-    });
-    text.push_str(&coefficients(analysis));
-    text.push_str(&machine_errors(analysis));
+        text.push_str("\nCoefficients");
+        text.push_str(if analysis.repeats.len() > 1 {
+            " (mean of the repeats; sigma of one repeat; deviation between repeats)\n"
+        } else {
+            "\n"
+        });
+        text.push_str(&coefficients(analysis));
+        text.push_str(&machine_errors(analysis));
+    }
     let confounded: Vec<&String> =
         analysis.repeats.first().map_or_else(Vec::new, |repeat| repeat.confounded.iter().collect());
     if !confounded.is_empty() {
@@ -100,6 +107,33 @@ pub fn runs_table(analysis: &Analysis) -> String {
     table(&rows, if several { "llrrrrrl" } else { "lrrrrrl" })
 }
 
+/// How the control drove in every run, as far as its log tells.
+fn control_table(analysis: &Analysis) -> String {
+    let head = ["run", "all follow with", "X later by", "Y", "Z", "standstills longer by"];
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
+    for run in analysis.runs() {
+        let control = &run.control;
+        let mut row = vec![
+            run.name.clone(),
+            format!(
+                "{} +- {} ms",
+                fixed(control.following_ms, 1),
+                control.following_sigma_ms.map_or("?".into(), |s| fixed(s, 1))
+            ),
+        ];
+        let later = control.later_ms.iter().zip(&control.later_sigma_ms);
+        row.extend(later.map(|(ms, sigma)| {
+            if *sigma > 0.0 { format!("{} ms", signed(*ms, 3)) } else { "-".into() }
+        }));
+        row.push(match (control.standstill_longer_ms, control.standstill_longest_ms) {
+            (Some(mean), Some(most)) => format!("{} to {} ms", fixed(mean, 0), fixed(most, 0)),
+            _ => "-".into(),
+        });
+        rows.push(row);
+    }
+    table(&rows, "lrrrrr")
+}
+
 /// Operator's pauses of a run: how many, from the shortest to the longest.
 pub(super) fn pauses(run: &RunResult) -> String {
     let known: Vec<f64> = run.pauses.iter().filter_map(|pause| pause.length_s).collect();
@@ -150,6 +184,33 @@ pub(super) fn observed(share: f64) -> String {
         return "100 %".into();
     }
     format!("{} %", fixed((share * 1000.0).floor() / 10.0, 1))
+}
+
+/// What people ask, with both uncertainties.
+fn at_the_place(analysis: &Analysis) -> String {
+    let repeated = analysis.repeats.len() > 1;
+    let mut head = vec!["", "value", "noise", "all"];
+    if repeated {
+        head.push("repeats");
+    }
+    head.push("unit");
+    let mut rows = vec![head.into_iter().map(str::to_owned).collect::<Vec<_>>()];
+    for result in &analysis.at_the_place {
+        let places = place::decimals(result.noise.unwrap_or(0.0));
+        let shown = |number: Option<f64>| number.map_or("-".into(), |n| fixed(n, places));
+        let mut row = vec![
+            result.quantity.clone(),
+            signed(result.value, places),
+            shown(result.noise),
+            shown(result.all),
+        ];
+        if repeated {
+            row.push(shown(result.deviation));
+        }
+        row.push(result.unit.to_owned());
+        rows.push(row);
+    }
+    table(&rows, if repeated { "lrrrrl" } else { "lrrrl" })
 }
 
 fn machine_errors(analysis: &Analysis) -> String {

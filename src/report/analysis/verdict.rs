@@ -25,10 +25,14 @@ pub(super) fn of(analysis: &Analysis) -> Vec<String> {
             many(analysis.repeats.len(), "repeat"),
             fixed(worst, 1)
         ),
-        format!(
-            "{rank} of {parameters} parameters observed, condition number {}.",
-            fixed(condition, 0)
-        ),
+        if analysis.is_local() {
+            format!("The readings decide {rank} numbers about the machine and its set-up.")
+        } else {
+            format!(
+                "{rank} of {parameters} parameters observed, condition number {}.",
+                fixed(condition, 0)
+            )
+        },
         format!(
             "Residual {} um rms over {}{}.",
             fixed(rms, 3),

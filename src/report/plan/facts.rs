@@ -75,6 +75,8 @@ pub struct TestOutlook {
     pub samples: usize,
     /// What it will tell.
     pub sight: SightFacts,
+    /// What it will know of what people ask, at the place of the test; empty where `terms` are named.
+    pub at_the_place: Vec<ForeseenPlace>,
     /// How well it will know the parameters of the model.
     pub parameters: Vec<ParameterOutlook>,
     /// The same in people's units.
@@ -90,6 +92,21 @@ pub struct TestOutlook {
     pub unseen: Vec<UnseenTerm>,
     /// What a reader should know before he runs it.
     pub cautions: Vec<String>,
+}
+
+/// What a test will know of something that people ask.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ForeseenPlace {
+    /// What is asked, such as `squareness XY`.
+    pub quantity: String,
+    /// Unit of the numbers that follow.
+    pub unit: &'static str,
+    /// Standard deviation by the noise: what repeats will scatter.
+    pub noise: Spread,
+    /// Standard deviation by the noise and by what the test cannot tell from other plausible faults.
+    pub all: Option<f64>,
+    /// Where `all` is more than three times `noise`: the faults that would look the same, the gravest first.
+    pub looks_like: Vec<String>,
 }
 
 /// What the test file assumes of the operator.

@@ -3,18 +3,19 @@
 use super::cautions;
 use super::facts::{
     ClearanceFacts, ComparedSquareness, Comparison, ForeseenErrors, ForeseenHysteresis,
-    ForeseenReversal, ForeseenScale, ForeseenSquareness, MountingOutlook, OperatorFacts,
-    ParameterOutlook, PlanReport, SightFacts, Spread, TestOutlook, TimeFacts, TravelFacts,
-    UnseenTerm, VolumeFacts,
+    ForeseenPlace, ForeseenReversal, ForeseenScale, ForeseenSquareness, MountingOutlook,
+    OperatorFacts, ParameterOutlook, PlanReport, SightFacts, Spread, TestOutlook, TimeFacts,
+    TravelFacts, UnseenTerm, VolumeFacts,
 };
 use super::planned::Planned;
 use crate::design::{self, Outlook, TimeByKind, VolumeSigma};
-use crate::identify;
+use crate::identify::{self, Answer};
 use crate::machine::{Axis, Machine};
 use crate::report::analysis::cautions::DETERMINED;
 use crate::report::analysis::gather::{ball_bar_facts, machine_facts};
 use crate::report::analysis::machine_errors::{ARCSEC_PER_RAD, MachineErrors};
 use crate::report::analysis::means::MeanResult;
+use crate::report::analysis::place;
 use crate::report::text::numbers::finite;
 
 /// Name and version of the format.
@@ -94,6 +95,7 @@ fn test_outlook(planned: &Planned, repeated: Repeated) -> TestOutlook {
         time_of_repeats: time_facts(&repeated.time(&time, set_up_s)),
         samples: outlook.mountings.iter().map(|mounting| mounting.samples).sum(),
         sight: sight(outlook, &test.estimation().terms, &parameters),
+        at_the_place: outlook.at_the_place.iter().map(|a| at_the_place(a, repeated)).collect(),
         machine_errors: machine_errors(machine, &parameters, repeated),
         parameters,
         volume_noise: volume(&outlook.volume_noise, repeated),
@@ -181,6 +183,20 @@ fn sight(outlook: &Outlook, asked: &[String], parameters: &[ParameterOutlook]) -
         rank: outlook.prediction.rank,
         condition: finite(outlook.prediction.condition),
         worst_time_sigma_ms: outlook.prediction.worst_time_sigma_s * 1e3,
+    }
+}
+
+/// What is asked is known to the mean of the repeats by the noise; what a test leaves open, repeats leave open.
+fn at_the_place(answer: &Answer, repeated: Repeated) -> ForeseenPlace {
+    let (unit, factor) = answer.asked.unit();
+    let open = |all: f64| (all.powi(2) - answer.noise.powi(2)).max(0.0).sqrt();
+    let of_mean = answer.noise / f64::from(repeated.repeats).sqrt();
+    ForeseenPlace {
+        quantity: answer.asked.name(),
+        unit,
+        noise: repeated.spread(finite(answer.noise * factor)),
+        all: answer.all.and_then(|all| finite(of_mean.hypot(open(all)) * factor)),
+        looks_like: place::looks_like(answer),
     }
 }
 

@@ -37,6 +37,9 @@ struct TestPage<'a> {
     time_bars: String,
     time: Table,
     assumed: String,
+    place: Option<Table>,
+    both: &'static str,
+    looks_like: Vec<String>,
     errors: Table,
     step: &'static str,
     parameters: [Table; 2],
@@ -141,6 +144,12 @@ fn test_page<'a>(plan: &PlanReport, test: &'a TestOutlook, planned: &Planned) ->
         time_bars: bars::time(test),
         time: Table::new(&rows::time(test, repeats), "lrrrrrrrrr"),
         assumed: words::assumed(test, repeats),
+        place: (!test.at_the_place.is_empty()).then(|| {
+            let rows = rows::at_the_place(test, repeats);
+            Table::new(&rows, if several { "lrrrl" } else { "lrrl" })
+        }),
+        both: words::BOTH,
+        looks_like: words::looks_like(test),
         errors: Table::new(&of_errors, if several { "llrrl" } else { "llrl" }),
         step: words::STEP,
         parameters: Table::new(&of_parameters, if several { "lrrl" } else { "lrl" }).halves(),

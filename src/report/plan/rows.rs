@@ -2,6 +2,7 @@
 
 use super::facts::{PlanReport, Spread, TestOutlook, TimeFacts};
 use crate::report::analysis::cautions::DETERMINED;
+use crate::report::analysis::place;
 use crate::report::text::numbers::{count, decimals, fixed};
 use crate::report::text::units::engineering;
 
@@ -151,6 +152,32 @@ pub(super) fn machine_errors(test: &TestOutlook, repeats: u32) -> Vec<Row> {
     }
     for h in &errors.angular_hysteresis {
         push("angular hysteresis, step", &h.name, &h.step_sigma_urad, h.observed, "urad");
+    }
+    rows
+}
+
+/// What people ask, with both uncertainties.
+pub(super) fn at_the_place(test: &TestOutlook, repeats: u32) -> Vec<Row> {
+    let mut rows = vec![head(&["", "noise"])];
+    if repeats > 1 {
+        rows[0].push(format!("of the mean of {repeats}"));
+    }
+    rows[0].extend(["all".into(), "unit".into()]);
+    for foreseen in &test.at_the_place {
+        let noise = foreseen.noise.of_mean.unwrap_or(0.0);
+        let shown = |number: Option<f64>| match number {
+            // What a test does not see at all has no noise.
+            Some(sigma) => {
+                fixed(sigma, place::decimals(noise.max(0.01 * foreseen.all.unwrap_or(0.0))))
+            }
+            None => "-".into(),
+        };
+        let mut row = vec![foreseen.quantity.clone(), shown(foreseen.noise.of_one)];
+        if repeats > 1 {
+            row.push(shown(foreseen.noise.of_mean));
+        }
+        row.extend([shown(foreseen.all), foreseen.unit.to_owned()]);
+        rows.push(row);
     }
     rows
 }

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::facts::{PlanReport, TestOutlook};
 use super::unseen::{Group, groups};
 use super::words::{STEP, assumed, clearances, heading, not_separated, under_title};
-use super::{rows, verdict};
+use super::{rows, verdict, words};
 use crate::report::text::layout::{WIDTH, paragraph, table};
 use crate::report::text::numbers::many;
 
@@ -94,6 +94,15 @@ fn one(text: &mut String, test: &TestOutlook, repeats: u32, all: bool) {
     text.push_str("\nTime, min:s\n");
     text.push_str(&table(&narrow(rows::time(test, repeats)), "lrrrrrrrrr"));
     paragraph(text, "  ", &assumed(test, repeats));
+    if !test.at_the_place.is_empty() {
+        text.push_str("\nWhat it will know of the machine at its place\n");
+        let sides = if repeats > 1 { "lrrrl" } else { "lrrl" };
+        text.push_str(&table(&rows::at_the_place(test, repeats), sides));
+        paragraph(text, "  ", words::BOTH);
+        for line in words::looks_like(test) {
+            paragraph(text, "  - ", &line);
+        }
+    }
     text.push_str("\nWhat it will determine\n");
     let sides = if repeats > 1 { "llrrl" } else { "llrl" };
     text.push_str(&table(&rows::machine_errors(test, repeats), sides));

@@ -1,7 +1,8 @@
 //! Sentences that terminal and page share.
 
-use super::facts::TestOutlook;
+use super::facts::{ForeseenPlace, TestOutlook};
 use crate::report::text::numbers::{fixed, many};
+use crate::report::text::words::list;
 
 /// What the terms are that nothing separates.
 const OF_THE_REST: &str = "most describe where the machine's zero is, or repeat what is kept";
@@ -73,4 +74,20 @@ pub(super) fn heading(what: &str) -> String {
 /// What stands for the terms that nothing separates, where there is no room for their names.
 pub(super) fn not_separated(terms: usize) -> String {
     format!("Separated by nothing that was tried: {}; {OF_THE_REST}", many(terms, "other"))
+}
+
+/// What the two uncertainties are.
+pub(super) const BOTH: &str = "noise: what repeats scatter; all: noise and what this test cannot tell from other plausible faults of the machine (`[plausible]` in the machine file).";
+
+/// What would look like a scale or a squareness in a test.
+pub(super) fn looks_like(test: &TestOutlook) -> Vec<String> {
+    let open = test
+        .at_the_place
+        .iter()
+        .filter(|foreseen| foreseen.unit == "um/m" && !foreseen.looks_like.is_empty());
+    let line = |foreseen: &ForeseenPlace| {
+        let faults = list(foreseen.looks_like.iter().map(String::as_str));
+        format!("{}: {faults} would look the same", foreseen.quantity)
+    };
+    open.map(line).collect()
 }

@@ -1,0 +1,310 @@
+//! What people ask of a machine, at the place of the test: scales, squarenesses, reversals, straightness, angles.
+//!
+//! With `e(h, b)` the displacement of the tool against the workpiece, along the programmed directions, that the
+//! parameters `x` make, everything is asked along straight lines of the range `c ± r` of the test, the other slides
+//! at `c`, `u = (h - c) / r`, and is linear in `x`: `q = a · x`.
+//!
+//! | asked | is |
+//! | --- | --- |
+//! | scale of H | slope of `e_H` along H: least squares over the line, mean of both senses |
+//! | squareness of H and I | slope of `e_I` along H plus slope of `e_H` along I: above 0, less than 90° between the positive directions |
+//! | reversal of H | step of `e_H` from negative to positive motion |
+//! | lateral play of H in I | the same step of `e_I` |
+//! | straightness of H in I, positioning of H | range of `e_I` along H, of `e_H`, about its least-squares line |
+//! | angle of H about I | range of the rotation of the slide H about I |
+//! | angular reversal of H about I | step of that rotation from negative to positive motion |
+//!
+//! A range is linear about where its two ends are. `noise² = a' C a` with the covariance `C` by the noise;
+//! `all² = noise² + |a' L|²`, where column `k` of `L` is what one plausible deviation of fault `k` does to the estimates.
+
+use nalgebra::Vector3;
+
+use crate::machine::{Axis, Pose};
+use crate::model::{Component, LocalFrame, Model, Motion, ParameterId};
+use crate::solve::{Matrix, dot};
+
+/// What is asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Asked {
+    /// Scale of an axis, mm/mm.
+    Scale(Axis),
+    /// Squareness of two axes, mm/mm.
+    Squareness(Axis, Axis),
+    /// Reversal of an axis, mm.
+    Reversal(Axis),
+    /// Lateral play of an axis in the direction of another, mm.
+    LateralPlay(Axis, Axis),
+    /// Positioning error of an axis without its scale, mm.
+    Positioning(Axis),
+    /// Straightness of an axis in the direction of another, mm.
+    Straightness(Axis, Axis),
+    /// Rotation of a slide about a direction over the test, rad.
+    Angle(Axis, Axis),
+    /// Step of that rotation at a reversal, rad.
+    AngularReversal(Axis, Axis),
+}
+
+/// An answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answer {
+    /// What was asked.
+    pub asked: Asked,
+    /// The value, mm/mm, mm or rad.
+    pub value: f64,
+    /// Standard deviation by the noise: what repeats would scatter.
+    pub noise: f64,
+    /// Standard deviation by the noise and by what these runs cannot tell from other plausible faults; `None` where
+    /// nothing was taken for plausible.
+    pub all: Option<f64>,
+    /// What would look the same, the most first: only what makes more than a tenth of what is open.
+    pub alike: Vec<Suspect>,
+}
+
+/// Something that may look like what was asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Suspect {
+    /// A fault of the machine, or of its set-up.
+    Fault(ParameterId),
+    /// The control drives otherwise than planned.
+    Control,
+}
+
+/// Points of a line: errors are cubics, and a range is looked for between the points.
+const POINTS: i32 = 24;
+/// Faults that make less than this share of what is left open are not told.
+const SHARE: f64 = 0.1;
+
+impl Answer {
+    /// Whether these runs leave so much more open than noise does that people should know.
+    pub fn is_open(&self) -> bool {
+        self.all.is_some_and(|all| all > OPEN * self.noise)
+    }
+}
+
+/// Where more than this times the noise is left open, it is said.
+const OPEN: f64 = 3.0;
+
+/// What is known of the parameters of a model.
+#[derive(Debug, Clone, Copy)]
+pub struct Known<'a> {
+    /// Their values, in the order of the model.
+    pub values: &'a [f64],
+    /// Their covariance by the noise.
+    pub covariance: &'a Matrix,
+    /// See [`Identification::left_open`](super::Identification::left_open).
+    pub left_open: Option<&'a Matrix>,
+}
+
+/// All that can be asked of what moved, in the order of [`Asked`].
+pub fn answers(model: &Model, frame: &LocalFrame, of: &Known) -> Vec<Answer> {
+    let lines = Lines::new(model, frame);
+    let axes: Vec<Axis> =
+        Axis::ALL.into_iter().filter(|axis| frame.reach_mm[axis.index()] > 0.0).collect();
+    let others = |axis: Axis| axes.iter().copied().filter(move |other| *other != axis);
+    let mut asked: Vec<(Asked, Vec<f64>)> = Vec::new();
+    for &axis in &axes {
+        asked.push((Asked::Scale(axis), lines.slope(axis, axis)));
+    }
+    for (k, &first) in axes.iter().enumerate() {
+        for &second in &axes[k + 1..] {
+            let sum = add(lines.slope(first, second), &lines.slope(second, first), 1.0);
+            asked.push((Asked::Squareness(first, second), sum));
+        }
+    }
+    for &axis in &axes {
+        asked.push((Asked::Reversal(axis), lines.step(axis, axis)));
+    }
+    for &axis in &axes {
+        asked.extend(others(axis).map(|o| (Asked::LateralPlay(axis, o), lines.step(axis, o))));
+    }
+    let values = of.values;
+    for &axis in &axes {
+        asked.push((Asked::Positioning(axis), lines.range(axis, axis, values)));
+    }
+    for &axis in &axes {
+        let straight = |o| (Asked::Straightness(axis, o), lines.range(axis, o, values));
+        asked.extend(others(axis).map(straight));
+    }
+    for &axis in &axes {
+        let angle = |o| (Asked::Angle(axis, o), lines.angle(axis, o, values));
+        asked.extend(Axis::ALL.map(angle));
+    }
+    for &axis in &axes {
+        let step = |o| (Asked::AngularReversal(axis, o), lines.angular_step(axis, o));
+        asked.extend(Axis::ALL.map(step));
+    }
+    asked.into_iter().map(|(asked, weights)| answer(asked, &weights, model, of)).collect()
+}
+
+fn answer(asked: Asked, weights: &[f64], model: &Model, of: &Known) -> Answer {
+    let by_noise = of.covariance.times_vector(weights);
+    let noise = dot(weights, &by_noise).max(0.0).sqrt();
+    let open = of.left_open.map(|open| open.transposed().times_vector(weights));
+    let square: f64 = open.iter().flatten().map(|o| o * o).sum();
+    let mut alike: Vec<(usize, f64)> = open.iter().flatten().copied().enumerate().collect();
+    alike.retain(|(_, o)| o * o > SHARE * square);
+    alike.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+    let all = open.is_some().then(|| noise.hypot(square.sqrt()));
+    let suspect = |&(k, _): &(usize, f64)| {
+        let fault = model.parameters().get(k).map(|parameter| Suspect::Fault(parameter.id));
+        fault.unwrap_or(Suspect::Control)
+    };
+    let alike = alike.iter().map(suspect).collect();
+    Answer { asked, value: dot(weights, of.values), noise, all, alike }
+}
+
+fn add(mut to: Vec<f64>, of: &[f64], factor: f64) -> Vec<f64> {
+    to.iter_mut().zip(of).for_each(|(to, of)| *to += factor * of);
+    to
+}
+
+/// What each parameter does along the lines of a test.
+struct Lines<'a> {
+    model: &'a Model<'a>,
+    frame: &'a LocalFrame,
+}
+
+impl<'a> Lines<'a> {
+    fn new(model: &'a Model<'a>, frame: &'a LocalFrame) -> Self {
+        Self { model, frame }
+    }
+
+    /// At `c` but for one slide, `u` of its range away, which has come there in a sense; the other senses are 0.
+    fn pose(&self, axis: Axis, u: f64, sense: f64) -> Pose {
+        let k = axis.index();
+        let mut position_mm = self.frame.middle_mm;
+        position_mm[k] += u * self.frame.reach_mm[k];
+        Pose { position_mm, sense: sense * Vector3::ith(k, 1.0) }
+    }
+
+    /// `d e_o / d x` at a pose.
+    fn displaced(&self, pose: &Pose, along: Axis) -> Vec<f64> {
+        let direction = Vector3::ith(along.index(), 1.0);
+        let at = self.model.situation_along(pose, &Motion::REST, 0, direction);
+        let mut row = vec![0.0; self.model.parameters().len()];
+        self.model.row(&at, &mut row);
+        row
+    }
+
+    /// Its mean over both senses at every point of the line of an axis.
+    fn line(&self, axis: Axis, along: Axis) -> Vec<(f64, Vec<f64>)> {
+        let at = |u: f64| {
+            let both = [-1.0, 1.0].map(|sense| self.displaced(&self.pose(axis, u, sense), along));
+            let [negative, positive] = both;
+            add(negative, &positive, 1.0).into_iter().map(|e| 0.5 * e).collect()
+        };
+        points().map(|u| (u, at(u))).collect()
+    }
+
+    /// Slope of the least-squares line: `3 / (2 r) ∫ e u du`.
+    fn slope(&self, axis: Axis, along: Axis) -> Vec<f64> {
+        let reach_mm = self.frame.reach_mm[axis.index()];
+        slope(&self.line(axis, along)).into_iter().map(|e| e / reach_mm).collect()
+    }
+
+    fn step(&self, axis: Axis, along: Axis) -> Vec<f64> {
+        let at = |sense: f64| self.displaced(&self.pose(axis, 0.0, sense), along);
+        add(at(1.0), &at(-1.0), -1.0)
+    }
+
+    /// What is farthest above less what is farthest below the least-squares line.
+    fn range(&self, axis: Axis, along: Axis, values: &[f64]) -> Vec<f64> {
+        between_ends(self.line(axis, along), values, true)
+    }
+
+    fn angle(&self, axis: Axis, about: Axis, values: &[f64]) -> Vec<f64> {
+        let at = |u: f64| self.turned(&self.pose(axis, u, 0.0), axis, about);
+        between_ends(points().map(|u| (u, at(u))).collect(), values, false)
+    }
+
+    fn angular_step(&self, axis: Axis, about: Axis) -> Vec<f64> {
+        let at = |sense: f64| self.turned(&self.pose(axis, 0.0, sense), axis, about);
+        add(at(1.0), &at(-1.0), -1.0)
+    }
+
+    /// `d` rotation of a slide about a direction `/ d x` at a pose.
+    fn turned(&self, pose: &Pose, axis: Axis, about: Axis) -> Vec<f64> {
+        let count = self.model.parameters().len();
+        let mut unit = vec![0.0; count];
+        let of = |k: usize| {
+            unit[k] = 1.0;
+            let errors = self.model.errors(&unit, pose, &Motion::REST, 0);
+            unit[k] = 0.0;
+            errors.slides[axis.index()].rotation_rad[about.index()]
+        };
+        (0..count).map(of).collect()
+    }
+}
+
+/// Points of a line from one end to the other.
+fn points() -> impl Iterator<Item = f64> {
+    (-POINTS..=POINTS).map(|k| f64::from(k) / f64::from(POINTS))
+}
+
+/// `3/2 ∫ e u du` over a line by Simpson's rule, which is exact for what is a cubic in `u` with an error of the
+/// fourth power of the distance of the points else.
+fn slope(line: &[(f64, Vec<f64>)]) -> Vec<f64> {
+    let count = line.first().map_or(0, |(_, e)| e.len());
+    let step = 1.0 / f64::from(POINTS);
+    let mut sum = vec![0.0; count];
+    for (k, (u, e)) in line.iter().enumerate() {
+        let weight = match k {
+            0 => 1.0,
+            k if k + 1 == line.len() => 1.0,
+            k if k % 2 == 1 => 4.0,
+            _ => 2.0,
+        };
+        sum = add(sum, e, 1.5 * weight * step / 3.0 * u);
+    }
+    sum
+}
+
+/// Difference of the two points where a curve with these parameters is farthest above and below; about its
+/// least-squares line if it is to be `straightened`.
+fn between_ends(mut line: Vec<(f64, Vec<f64>)>, values: &[f64], straightened: bool) -> Vec<f64> {
+    if straightened {
+        let slope = slope(&line);
+        for (u, e) in &mut line {
+            *e = add(std::mem::take(e), &slope, -*u);
+        }
+    }
+    let height = |e: &Vec<f64>| dot(e, values);
+    let ends = line.iter().map(|(_, e)| e);
+    let highest = ends.clone().max_by(|a, b| height(a).total_cmp(&height(b)));
+    let lowest = ends.min_by(|a, b| height(a).total_cmp(&height(b)));
+    match (highest, lowest) {
+        (Some(highest), Some(lowest)) => add(highest.clone(), lowest, -1.0),
+        _ => vec![0.0; values.len()],
+    }
+}
+
+impl Asked {
+    /// What it is called, such as `squareness XY`.
+    pub fn name(self) -> String {
+        match self {
+            Self::Scale(axis) => format!("scale {axis}"),
+            Self::Squareness(first, second) => format!("squareness {first}{second}"),
+            Self::Reversal(axis) => format!("reversal {axis}"),
+            Self::LateralPlay(axis, other) => format!("lateral play {axis} in {other}"),
+            Self::Positioning(axis) => format!("positioning {axis}"),
+            Self::Straightness(axis, other) => format!("straightness {axis} in {other}"),
+            Self::Angle(axis, about) => format!("angle {}", function(axis, about)),
+            Self::AngularReversal(axis, about) => format!("reversal {}", function(axis, about)),
+        }
+    }
+
+    /// The unit that people use, and how many of it one mm/mm, mm or rad is.
+    pub fn unit(self) -> (&'static str, f64) {
+        match self {
+            Self::Scale(_) | Self::Squareness(..) => ("um/m", 1e6),
+            Self::Angle(..) | Self::AngularReversal(..) => ("urad", 1e6),
+            _ => ("um", 1e3),
+        }
+    }
+}
+
+/// The name of ISO 230-1 for a rotation of a slide, such as `EBX`.
+fn function(axis: Axis, about: Axis) -> String {
+    let component = [Component::A, Component::B, Component::C][about.index()];
+    format!("E{}{axis}", component.letter())
+}

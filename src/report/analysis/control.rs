@@ -1,0 +1,42 @@
+//! How the control drove, as far as the log tells.
+
+use serde::Serialize;
+
+use crate::align::TimeMap;
+use crate::report::text::numbers::finite;
+
+/// How the control drove, as far as the log tells.
+#[allow(clippy::struct_field_names)] // The unit belongs to the names of the file's keys.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ControlResult {
+    /// Time constant with which all slides followed the program alike, ms.
+    pub following_ms: f64,
+    /// Its standard deviation, ms.
+    pub following_sigma_ms: Option<f64>,
+    /// How much later than the mean of those that moved X, Y and Z followed, ms.
+    pub later_ms: [f64; 3],
+    /// Standard deviations of that, ms.
+    pub later_sigma_ms: [f64; 3],
+    /// What a standstill between two arcs took beyond its dwell, on average, ms; `None` where there was none.
+    pub standstill_longer_ms: Option<f64>,
+    /// The longest of them, ms.
+    pub standstill_longest_ms: Option<f64>,
+}
+
+impl ControlResult {
+    /// From the time map of a run.
+    pub(super) fn of(map: &TimeMap) -> Self {
+        let stood = map.breaks().iter().zip(map.stood_s()).filter(|(at, _)| !at.operator);
+        let stood_s: Vec<f64> = stood.filter_map(|(_, stood_s)| stood_s).collect();
+        let mean_s = stood_s.iter().sum::<f64>() / stood_s.len().max(1) as f64;
+        let ms = |s: f64| s * 1e3 + 0.0;
+        Self {
+            following_ms: ms(map.following_s),
+            following_sigma_ms: finite(ms(map.following_sigma_s)),
+            later_ms: map.delays_s.map(ms).into(),
+            later_sigma_ms: map.delay_sigmas_s.map(ms).into(),
+            standstill_longer_ms: (!stood_s.is_empty()).then(|| ms(mean_s)),
+            standstill_longest_ms: stood_s.iter().copied().reduce(f64::max).map(ms),
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! What people ask of the machine, at the place of the test, over the repeats.
+
+use serde::Serialize;
+
+use crate::identify::{self, Answer, Asked, Campaign, Suspect};
+use crate::machine::{Axis, Machine};
+use crate::model::{Local, LocalShape, ParameterId};
+use crate::plan::Test;
+use crate::report::text::numbers::{finite, fixed};
+use crate::report::text::words::{capital, list};
+
+/// An answer over the repeats.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PlaceResult {
+    /// What was asked, such as `squareness XY`.
+    pub quantity: String,
+    /// Unit of the numbers that follow: `um/m`, `um` or `urad`.
+    pub unit: &'static str,
+    /// Mean over the repeats.
+    pub value: f64,
+    /// Standard deviation of the mean by the noise.
+    pub noise: Option<f64>,
+    /// Standard deviation of the mean by the noise and by what the test cannot tell from other plausible faults; `None`
+    /// where nothing was taken for plausible.
+    pub all: Option<f64>,
+    /// Standard deviation between the repeats; `None` for one.
+    pub deviation: Option<f64>,
+    /// Where `all` is more than three times `noise`: the plausible faults that look the same in this test, the gravest
+    /// first.
+    pub looks_like: Vec<String>,
+}
+
+impl PlaceResult {
+    /// What a reader should know of it, where the test leaves much more open than noise does.
+    pub(super) fn caution(&self) -> Option<String> {
+        let all = self.all.filter(|_| !self.looks_like.is_empty())?;
+        Some(format!(
+            "{} is known to {} {} only: {} would look the same in this test.",
+            capital(&self.quantity),
+            fixed(all, decimals(all)),
+            self.unit,
+            list(self.looks_like.iter().map(String::as_str))
+        ))
+    }
+}
+
+/// Two digits of an uncertainty.
+pub(in crate::report) fn decimals(uncertainty: f64) -> usize {
+    match uncertainty {
+        u if u >= 9.95 => 0,
+        u if u >= 0.995 => 1,
+        u if u >= 0.0995 => 2,
+        _ => 3,
+    }
+}
+
+/// All that was asked, over the repeats of a campaign.
+pub(super) fn of(test: &Test, machine: &Machine, campaign: &Campaign) -> Vec<PlaceResult> {
+    let Some(frame) = &campaign.frame else { return Vec::new() };
+    let each: Vec<Vec<Answer>> = campaign
+        .repeats
+        .iter()
+        .enumerate()
+        .filter_map(|(index, repeat)| {
+            let model = campaign.model(test, machine, index).ok()?;
+            Some(identify::answers(&model, frame, &repeat.known(&repeat.values())))
+        })
+        .collect();
+    let asked = each.first().map_or(0, Vec::len);
+    (0..asked).map(|k| over_repeats(&each, k)).collect()
+}
+
+fn over_repeats(each: &[Vec<Answer>], k: usize) -> PlaceResult {
+    let answers = || each.iter().filter_map(|answers| answers.get(k));
+    let count = each.len() as f64;
+    let mean = answers().map(|a| a.value).sum::<f64>() / count;
+    // Noise is another one every time, what a test leaves open is the same.
+    let noise = (answers().map(|a| a.noise.powi(2)).sum::<f64>()).sqrt() / count;
+    let open = |a: &Answer| Some(a.all?.powi(2) - a.noise.powi(2));
+    let open: Option<f64> = answers().map(open).sum();
+    let all = open.map(|open| noise.hypot((open.max(0.0) / count).sqrt()));
+    let squares: f64 = answers().map(|a| (a.value - mean).powi(2)).sum();
+    let asked = answers().next().map_or(Asked::Scale(Axis::X), |a| a.asked);
+    let (unit, factor) = asked.unit();
+    PlaceResult {
+        quantity: asked.name(),
+        unit,
+        value: mean * factor + 0.0,
+        noise: finite(noise * factor),
+        all: all.and_then(|all| finite(all * factor)),
+        deviation: (each.len() > 1)
+            .then(|| (squares / (count - 1.0)).sqrt() * factor)
+            .and_then(finite),
+        looks_like: answers().next().map_or_else(Vec::new, looks_like),
+    }
+}
+
+/// The faults that would look the same, where they leave much more open than noise does.
+pub(in crate::report) fn looks_like(answer: &Answer) -> Vec<String> {
+    let suspects = answer.alike.iter().filter(|_| answer.is_open());
+    let words = suspects.map(|suspect| match suspect {
+        Suspect::Fault(of) => fault(*of),
+        Suspect::Control => "a control that drives otherwise than planned".to_owned(),
+    });
+    let mut words: Vec<String> = words.collect();
+    words.dedup();
+    words
+}
+
+/// A fault of a machine in words.
+fn fault(id: ParameterId) -> String {
+    match id {
+        ParameterId::Local(Local { slide, component, shape }) => {
+            let along = Axis::ALL[component.direction()];
+            if component.is_angular() {
+                let name = format!("E{}{slide}", component.letter());
+                return match shape {
+                    LocalShape::P1 => format!("a turn {name}"),
+                    LocalShape::P2 => format!("a bend of {name}"),
+                    LocalShape::P3 => format!("an S of {name}"),
+                    LocalShape::Sense => format!("a tip of {name} at reversals"),
+                };
+            }
+            match (shape, along == slide) {
+                (LocalShape::P1, true) => format!("the scale of {slide}"),
+                (LocalShape::P1, false) => format!("a slope of {slide} in {along}"),
+                (LocalShape::P2, true) => format!("a bow in the positioning of {slide}"),
+                (LocalShape::P2, false) => {
+                    format!("a bow in the straightness of {slide} in {along}")
+                }
+                (LocalShape::P3, true) => format!("an S in the positioning of {slide}"),
+                (LocalShape::P3, false) => {
+                    format!("an S in the straightness of {slide} in {along}")
+                }
+                (LocalShape::Sense, true) => format!("a reversal of {slide}"),
+                (LocalShape::Sense, false) => format!("a lateral play of {slide} in {along}"),
+            }
+        }
+        ParameterId::SetUp(of, _) => format!("the set-up error {of}"),
+        ParameterId::Coefficient(of) => of.to_string(),
+        ParameterId::Amplitude => "an effect".to_owned(),
+    }
+}
