@@ -180,7 +180,8 @@ fn the_stated_sigma_is_honest() {
     let (low, high) = (honesty[0], honesty[honesty.len() - 1]);
     assert!(low.0 > 0.93 && high.0 < 1.17, "lowest {low:?}, highest {high:?}");
     let starts = starts(&repeats);
-    assert!(starts.iter().all(|ratio| (0.9..1.05).contains(ratio)), "{starts:?}");
+    // Each arc has a time of its own: 200 of them tell a ratio to 5 %, three times that is chance.
+    assert!(starts.iter().all(|ratio| (0.85..1.15).contains(ratio)), "{starts:?}");
 }
 
 #[test]
@@ -300,7 +301,7 @@ fn the_foretold_sigma_of_a_designed_test_is_the_scatter_of_simulated_tests() {
     let (low, high) = (&ratios[0], &ratios[ratios.len() - 1]);
     assert!(low.0 > 0.7 && high.0 < 1.3, "{low:?} to {high:?}");
     let all = rms(ratios.iter().map(|(ratio, _)| *ratio));
-    assert!((0.94..1.06).contains(&all), "{all}");
+    assert!((0.91..1.09).contains(&all), "{all}");
 }
 
 /// On logs that this code did not make: with the noise stated as they show it, the rehearsal of the test
