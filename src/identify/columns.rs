@@ -100,7 +100,18 @@ impl Columns {
         map.rate_sigma = sigma(rate);
         map.pace_sigma = sigma(pace);
         map.rate_pace_covariance = covariance[(rate, pace)];
-        map.following_sigma_s = sigma(self.following(run));
+        let (first, legs) = &self.runs[run];
+        for (column, &leg) in (*first..).zip(legs) {
+            map.offset_sigmas_s[leg] = sigma(column);
+            map.offset_rate_covariances_s[leg] = covariance[(column, rate)];
+            map.offset_pace_covariances_s[leg] = covariance[(column, pace)];
+        }
+    }
+
+    /// Takes the uncertainty of how the control drove from the covariance of all columns, with what is plausible of it.
+    pub(super) fn state_driving(&self, run: usize, map: &mut TimeMap, covariance: &Matrix) {
+        let following = self.following(run);
+        map.following_sigma_s = covariance[(following, following)].max(0.0).sqrt();
         map.delay_sigmas_s = Vector3::from_fn(|slide, _| {
             let parts: Vec<(usize, f64)> =
                 self.delays(run).zip(&self.delays[run]).map(|(k, c)| (k, c[slide])).collect();
@@ -109,11 +120,5 @@ impl Columns {
             };
             parts.iter().map(with).sum::<f64>().max(0.0).sqrt()
         });
-        let (first, legs) = &self.runs[run];
-        for (column, &leg) in (*first..).zip(legs) {
-            map.offset_sigmas_s[leg] = sigma(column);
-            map.offset_rate_covariances_s[leg] = covariance[(column, rate)];
-            map.offset_pace_covariances_s[leg] = covariance[(column, pace)];
-        }
     }
 }

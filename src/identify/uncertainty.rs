@@ -43,6 +43,11 @@ impl Fit<'_> {
         let covariance = outcome.solution.covariance_sandwich(&filtered);
         let sigmas = solve::standard_deviations(&covariance);
         self.state_times(&covariance);
+        let with_plausible = outcome.solution.covariance_unscaled();
+        for (index, run) in self.runs.iter_mut().enumerate() {
+            let map = &mut run.alignment.time_map;
+            self.columns.state_driving(index, map, &with_plausible);
+        }
         let count = self.columns.coefficients;
         let spectrum = outcome.solution.spectrum();
         let known = self.known(&outcome.solution);

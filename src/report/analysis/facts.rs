@@ -246,8 +246,10 @@ pub struct RunResult {
     pub start_offset_sigma_ms: Option<f64>,
     /// Largest standard deviation of the program time of a used sample, ms.
     pub worst_time_sigma_ms: Option<f64>,
-    /// Sample period of the log, s.
+    /// Period of the samples, s.
     pub sample_period_s: f64,
+    /// How many readings of the log a sample is the mean of.
+    pub averaged: usize,
     /// Moments known on both clocks.
     pub marks: Vec<MarkResult>,
     /// Operator's pauses.

@@ -230,6 +230,7 @@ fn run_result(run: &IdentifiedRun, stated: Option<&Run>, mounting: String) -> Ru
             run.used().map(|record| record.sample.time_sigma_s).fold(0.0, f64::max) * 1e3,
         ),
         sample_period_s: alignment.sample_period_s,
+        averaged: alignment.averaged,
         marks: alignment.marks.iter().map(|mark| mark_result(mark, map)).collect(),
         pauses: pauses(map),
         control: ControlResult::of(map),

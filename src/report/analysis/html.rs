@@ -13,7 +13,7 @@ use crate::identify::Identification;
 use crate::report::diagnosis;
 use crate::report::text::numbers::{count, fixed, many, signed, typeset};
 use crate::report::text::units::{engineering, row_decimals};
-use crate::report::text::words::fine;
+use crate::report::text::words::{fine, list};
 
 #[derive(Template)]
 #[template(path = "report.html")]
@@ -25,6 +25,7 @@ struct Page<'a> {
     coefficients: Vec<Vec<CoefficientRow>>,
     repeated: bool,
     at_the_place: Vec<[String; 6]>,
+    unseen: String,
     squareness: Vec<[String; 5]>,
     scale: Vec<[String; 4]>,
     reversal: Vec<[String; 5]>,
@@ -78,6 +79,7 @@ pub fn render(analysis: &Analysis, identifications: &[Identification]) -> Result
         coefficients: coefficients(analysis),
         repeated: analysis.repeats.len() > 1,
         at_the_place: at_the_place(analysis),
+        unseen: list(place::seen(&analysis.at_the_place).1),
         squareness: squareness(analysis),
         scale: scale(analysis),
         reversal: reversal(analysis),
@@ -106,7 +108,7 @@ fn facts(analysis: &Analysis) -> Vec<(&'static str, String)> {
     let bar = &analysis.ball_bar;
     let pivots = analysis.machine.pivots;
     let mut rates: Vec<String> =
-        analysis.runs().map(|run| fixed(1.0 / run.sample_period_s, 0)).collect();
+        analysis.runs().map(|run| fixed(run.averaged as f64 / run.sample_period_s, 0)).collect();
     rates.dedup();
     let mut facts = vec![
         ("Machine", format!("{}, topology {}", analysis.machine.name, analysis.machine.topology)),
@@ -173,8 +175,9 @@ fn spread(value: Option<f64>, decimals: usize, observed: f64) -> String {
 
 /// What people ask, with both uncertainties, where the machine was described where it was measured.
 fn at_the_place(analysis: &Analysis) -> Vec<[String; 6]> {
-    let results = analysis.at_the_place.iter().filter(|_| analysis.is_local());
-    results
+    let (seen, _) = place::seen(&analysis.at_the_place);
+    seen.into_iter()
+        .filter(|_| analysis.is_local())
         .map(|result| {
             let places = place::decimals(result.noise.unwrap_or(0.0));
             [

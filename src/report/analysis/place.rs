@@ -31,9 +31,17 @@ pub struct PlaceResult {
 }
 
 impl PlaceResult {
+    /// Whether these runs tell nothing of it: next to all that is stated is what was plausible beforehand.
+    pub(super) fn is_unseen(&self) -> bool {
+        let noise = self.noise.unwrap_or(0.0);
+        self.all.is_some_and(|all| noise < UNSEEN * all && self.value.abs() < UNSEEN * all)
+    }
+
     /// What a reader should know of it, where the test leaves much more open than noise does.
     pub(super) fn caution(&self) -> Option<String> {
-        let all = self.all.filter(|_| !self.looks_like.is_empty())?;
+        // Of angles one set-up shows little: that is told once, and not of each.
+        let asked_for = self.unit != "urad" && !self.is_unseen();
+        let all = self.all.filter(|_| asked_for && !self.looks_like.is_empty())?;
         Some(format!(
             "{} is known to {} {} only: {} would look the same in this test.",
             capital(&self.quantity),
@@ -43,6 +51,15 @@ impl PlaceResult {
         ))
     }
 }
+
+/// The quantities that these runs tell something of, and the names of the others.
+pub(super) fn seen(results: &[PlaceResult]) -> (Vec<&PlaceResult>, Vec<&str>) {
+    let (unseen, seen): (Vec<_>, Vec<_>) = results.iter().partition(|result| result.is_unseen());
+    (seen, unseen.into_iter().map(|result| result.quantity.as_str()).collect())
+}
+
+/// Less noise and less of a value than this part of what is plausible is nothing seen.
+const UNSEEN: f64 = 1e-3;
 
 /// Two digits of an uncertainty.
 pub(in crate::report) fn decimals(uncertainty: f64) -> usize {

@@ -11,6 +11,7 @@ use crate::report::diagnosis;
 use crate::report::text::layout::{paragraph, table};
 use crate::report::text::numbers::{fixed, signed};
 use crate::report::text::units::{engineering, row_decimals};
+use crate::report::text::words::list;
 
 /// The summary: verdict, runs, coefficients in engineering units, squareness and reversal, what nobody
 /// can see, and cautions.
@@ -195,7 +196,8 @@ fn at_the_place(analysis: &Analysis) -> String {
     }
     head.push("unit");
     let mut rows = vec![head.into_iter().map(str::to_owned).collect::<Vec<_>>()];
-    for result in &analysis.at_the_place {
+    let (seen, unseen) = place::seen(&analysis.at_the_place);
+    for result in seen {
         let places = place::decimals(result.noise.unwrap_or(0.0));
         let shown = |number: Option<f64>| number.map_or("-".into(), |n| fixed(n, places));
         let mut row = vec![
@@ -210,7 +212,11 @@ fn at_the_place(analysis: &Analysis) -> String {
         row.push(result.unit.to_owned());
         rows.push(row);
     }
-    table(&rows, if repeated { "lrrrrl" } else { "lrrrl" })
+    let mut text = table(&rows, if repeated { "lrrrrl" } else { "lrrrl" });
+    if !unseen.is_empty() {
+        paragraph(&mut text, "  ", &format!("Not seen in this test: {}.", list(unseen)));
+    }
+    text
 }
 
 fn machine_errors(analysis: &Analysis) -> String {
