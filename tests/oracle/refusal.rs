@@ -215,7 +215,10 @@ fn exchanged_planes_are_said_when_the_three_are_identified_together() {
     for (log, program) in [("xy", 2), ("zx", 1), ("yz", 3)] {
         let (log_file, program) =
             (format!("planar/{log}.csv.gz"), format!("planar/O100{program}.nc.gz"));
-        let found = identify(&set, &log_file, &program, str::to_owned);
-        accepted(&format!("{log} over {program}"), found);
+        // One alone fits as another plane, or its times do not come to rest.
+        match identify(&set, &log_file, &program, str::to_owned) {
+            Err(error) => assert_eq!(error.kind, Kind::Undetermined, "{log} over {program}"),
+            found => drop(accepted(&format!("{log} over {program}"), found)),
+        }
     }
 }
