@@ -70,7 +70,7 @@ pub fn identify(model: &Model, runs: Vec<RunInput>, options: &Options) -> Result
 }
 
 /// What comes out beyond so many of its deviations is more than plausible: 1 in 370 of honest machines.
-pub(super) const IMPLAUSIBLE: f64 = 3.0;
+pub const IMPLAUSIBLE: f64 = 3.0;
 /// And is then given so many times the room: the readings have shown that they know better.
 const WIDER: f64 = 10.0;
 

@@ -47,7 +47,7 @@ mod words;
 pub use asked::{Answer, Asked, Known, Suspect, answers};
 pub use campaign::{Campaign, Failure};
 pub use complete::{count, explicit_terms, order_of};
-pub use fit::identify;
+pub use fit::{IMPLAUSIBLE, identify};
 pub use foresight::foresee;
 pub use input::{Options, RunInput};
 pub use linearised::{LinearSample, Linearised};

@@ -55,7 +55,8 @@ impl Analysis {
         };
         // What speaks against the fit itself comes before what speaks for caution in reading it.
         let of_fits = identifications.iter().flat_map(|repeat| repeat.cautions.iter().cloned());
-        analysis.cautions = of_fits.chain(cautions::of(&analysis)).collect();
+        let implausible = identifications.first().and_then(place::implausible);
+        analysis.cautions = of_fits.chain(implausible).chain(cautions::of(&analysis)).collect();
         analysis
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::identify::{self, Answer, Asked, Campaign, Suspect};
+use crate::identify::{self, Answer, Asked, Campaign, IMPLAUSIBLE, Identification, Suspect};
 use crate::machine::{Axis, Machine};
 use crate::model::{Local, LocalShape, ParameterId};
 use crate::plan::Test;
@@ -122,6 +122,21 @@ pub(in crate::report) fn looks_like(answer: &Answer) -> Vec<String> {
     let mut words: Vec<String> = words.collect();
     words.dedup();
     words
+}
+
+/// What came out beyond three of its plausible deviations, in words; `None` where nothing did.
+pub(super) fn implausible(of: &Identification) -> Option<String> {
+    let beyond = of.estimates.iter().filter(|estimate| {
+        let plausible = estimate.parameter.plausible.unwrap_or(f64::INFINITY);
+        estimate.value.abs() > IMPLAUSIBLE * plausible
+    });
+    let faults: Vec<String> = beyond.map(|estimate| fault(estimate.parameter.id)).collect();
+    (!faults.is_empty()).then(|| {
+        format!(
+            "More than plausible: {}. Either the machine is so, and `[plausible]` in its file should say it, or the log, the balls or the machine file are not what the test file says.",
+            list(faults)
+        )
+    })
 }
 
 /// A fault of a machine in words.
