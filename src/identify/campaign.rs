@@ -13,7 +13,7 @@ use super::place;
 use super::result::Identification;
 use crate::error::{Error, Result};
 use crate::machine::{Machine, Mounting};
-use crate::model::{Form, HeldEffect, LocalFrame, Model};
+use crate::model::{Form, HeldEffect, LOCAL, LocalFrame, Model};
 use crate::plan::{Run, Test};
 
 /// All repeats of a test, identified.
@@ -197,8 +197,11 @@ impl Campaign {
         }
     }
 
-    /// Whether a parameter of this name is estimated.
+    /// Whether a coefficient of this name is estimated, by itself or in what the machine does where it was measured.
     pub fn estimates(&self, name: &str) -> bool {
+        if self.terms.iter().any(|term| term == LOCAL) {
+            return true;
+        }
         let first = self.repeats.first();
         first.is_some_and(|repeat| repeat.estimates.iter().any(|e| e.parameter.name == name))
     }

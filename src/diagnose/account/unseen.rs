@@ -35,7 +35,7 @@ fn by_the_fit(alone: &Beside, campaign: &Campaign) -> Vec<String> {
         }
     }
     sentences.push(
-        "A radius that shrinks with the square of the feed is a scale of all axes in each run; compare EXX1, EYY1 and EZZ1 of runs at two feeds."
+        "A radius that shrinks with the square of the feed is a scale of all axes in each run; compare the scales of runs at two feeds."
             .to_owned(),
     );
     let runs = campaign.repeats.iter().flat_map(|repeat| &repeat.runs);
