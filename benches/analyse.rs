@@ -9,7 +9,7 @@ use std::path::Path;
 
 use ballbar::identify::{Campaign, Failure};
 use ballbar::plan::Test;
-use ballbar::report::{self, Analysis};
+use ballbar::report::{self, Analysis, Shown};
 
 fn main() {
     divan::main();
@@ -30,11 +30,11 @@ fn five_runs_reports_included() -> usize {
     let repeats = &campaign.repeats;
     let analysis = Analysis::new(&test, &machine, &campaign);
     let mut bytes = analysis.to_json().unwrap().len();
-    bytes += report::html::render(&analysis, repeats).unwrap().len();
+    bytes += report::html::render(&analysis, Shown::alone(repeats)).unwrap().len();
     for repeat in repeats {
         for run in &repeat.runs {
             let mut text = Vec::new();
-            report::write_samples(&mut text, run).unwrap();
+            report::write_samples(&mut text, run, None).unwrap();
             bytes += text.len();
         }
     }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::engagement::{self, Engagement};
+use super::engagement::{self, Engagement, Paired};
 use super::ramp::{self, Mark, MarkKind};
 use super::run::Run;
 use super::samples::Alignment;
@@ -22,6 +22,8 @@ pub(super) struct Draft {
     engagements: Vec<Engagement>,
     /// For each engagement the readings of the log.
     stretches: Vec<Range<usize>>,
+    /// Stretches of the log that are as long and belong to none.
+    beside: Vec<Range<usize>>,
     pub(super) marks: Vec<Mark>,
     pub(super) time_map: TimeMap,
 }
@@ -30,12 +32,24 @@ impl Draft {
     /// The time map from engagements and releases; `feed` is the real feed as a share of the programmed one.
     ///
     /// # Errors
-    /// When the stretches in which the log `observed` something are not the engagements of the program.
-    pub(super) fn new(run: &Run, observed: &[Range<usize>], feed: f64) -> Result<Self> {
+    /// When the stretches in which the log `observed` something are not the engagements of the program, or their
+    /// durations differ by more than a `tolerance`, a share.
+    pub(super) fn new(
+        run: &Run,
+        observed: &[Range<usize>],
+        feed: f64,
+        tolerance: f64,
+    ) -> Result<Self> {
         let trajectory = Trajectory::new(run.program, run.rig.machine, feed);
         let engagements = engagement::expected(&trajectory, &run.rig);
-        let stretches =
-            engagement::pair(run.log, &engagements, observed, &trajectory, run.feed_override)?;
+        let Paired { stretches, beside } = engagement::pair(
+            run.log,
+            &engagements,
+            observed,
+            &trajectory,
+            run.feed_override,
+            tolerance,
+        )?;
         let first_s = engagements.first().map_or(0.0, |e| e.start_s);
         let last_s = engagements.last().map_or(0.0, |e| e.end_s);
         let pivot_s = middle_s(run.log, &stretches);
@@ -47,7 +61,7 @@ impl Draft {
             }
         }
         time_map.fit_marks(&marks, run.rig.bar.clock_tolerance)?;
-        Ok(Self { trajectory, engagements, stretches, marks, time_map })
+        Ok(Self { trajectory, engagements, stretches, beside, marks, time_map })
     }
 
     /// Finds the operator's pauses inside the engagements by the readings that stand still.
@@ -70,11 +84,16 @@ impl Draft {
         let first_s = run.log.readings().first().map_or(0.0, |reading| reading.time_s);
         let (began_log_s, began_sigma_s) = self.time_map.began(first_s);
         let sections = section::sections(&self.trajectory, &run.rig);
+        let time_s = |index: usize| run.log.readings()[index].time_s;
+        let other_runs_s = self.beside.iter().map(|of| [time_s(of.start), time_s(of.end - 1)]);
         Alignment {
             chord_sag_mm: section::chord_sag_mm(&self.trajectory, &sections, run.rig.bar.length_mm),
             moving: section::moving(&self.trajectory, &sections),
             began_log_s,
             began_sigma_s,
+            other_runs_s: other_runs_s.collect(),
+            clipped: Vec::new(),
+            slips: Vec::new(),
             reversals: Reversals::of(&self.trajectory),
             sections,
             windows: window::means(&readings, averaged, period_s),

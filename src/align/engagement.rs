@@ -81,14 +81,21 @@ pub(super) fn expected(trajectory: &Trajectory, rig: &Rig) -> Vec<Engagement> {
 /// The stretches of a log in which the bar reads, as ranges of sample indices.
 ///
 /// A gap between two readings that are both well inside the range is a dropout, not a release: at a
-/// release the last reading is on the ramp.
+/// release the last reading is on the ramp. What ran through the range until then was not engaged.
 pub(super) fn observed(log: &Log, bar: &BallBar) -> Vec<Range<usize>> {
     let reading = |index: usize| log.readings()[index].deviation_mm.unwrap_or(0.0).abs();
+    // By how much the last two readings of a stretch differ, mm.
+    let runs_mm = |stretch: &Range<usize>| {
+        let read = log.readings()[stretch.clone()].iter().rev();
+        let mut last = read.filter_map(|reading| reading.deviation_mm).take(2);
+        Some((last.next()? - last.next()?).abs())
+    };
     let mut stretches: Vec<Range<usize>> = Vec::new();
     for interval in log.in_range_intervals() {
         match stretches.last_mut() {
             Some(last)
-                if reading(last.end - 1) < 0.25 * bar.range_mm
+                if runs_mm(last).is_some_and(|mm| mm < 0.1 * bar.range_mm)
+                    && reading(last.end - 1) < 0.25 * bar.range_mm
                     && reading(interval.start) < 0.25 * bar.range_mm =>
             {
                 last.end = interval.end;
@@ -101,7 +108,9 @@ pub(super) fn observed(log: &Log, bar: &BallBar) -> Vec<Range<usize>> {
 
 /// How far a log's duration may be from the program's before it is another program's, as a share:
 /// clocks differ by 1e-4, a control's own deceleration at corners by some 1e-3.
-const DURATION_TOLERANCE: f64 = 0.02;
+pub(super) const DURATION_TOLERANCE: f64 = 0.02;
+/// And how far where the feed may have been between half and one and a half times the stated one.
+pub(super) const ANY_FEED_TOLERANCE: f64 = 1.0;
 
 /// Pairs every expected engagement with a stretch of the log, in order.
 ///
@@ -113,10 +122,9 @@ pub(super) fn pair(
     observed: &[Range<usize>],
     trajectory: &Trajectory,
     feed_override: f64,
-) -> Result<Vec<Range<usize>>> {
-    let duration_s = |stretch: &Range<usize>| {
-        log.readings()[stretch.end - 1].time_s - log.readings()[stretch.start].time_s
-    };
+    tolerance: f64,
+) -> Result<Paired> {
+    let duration_s = |stretch: &Range<usize>| duration_s(log, stretch);
     let feed_s = expected
         .iter()
         .map(|e| trajectory.feed_elapsed_s(e.end_s) - trajectory.feed_elapsed_s(e.start_s))
@@ -142,12 +150,41 @@ pub(super) fn pair(
             long.len()
         ));
     }
-    // The log may hold more than one program's worth; the run of stretches that fits best is taken.
+    match best_window(log, expected, &long) {
+        Some((best, misfit)) if misfit <= tolerance => {
+            let used = |stretch: &Range<usize>| best.contains(stretch);
+            let beside = long.iter().filter(|stretch| !used(stretch)).cloned().collect();
+            Ok(Paired { stretches: best.to_vec(), beside })
+        }
+        _ => refuse("the bar reads for another time than the program takes"),
+    }
+}
+
+/// The stretches of a log that are the engagements of a program.
+#[derive(Debug)]
+pub(super) struct Paired {
+    /// For each engagement one.
+    pub(super) stretches: Vec<Range<usize>>,
+    /// Others that are as long: of another run.
+    pub(super) beside: Vec<Range<usize>>,
+}
+
+fn duration_s(log: &Log, stretch: &Range<usize>) -> f64 {
+    log.readings()[stretch.end - 1].time_s - log.readings()[stretch.start].time_s
+}
+
+/// Of the stretches of a log those that fit the engagements of a program best, in order, and by how much they do not, as
+/// a share of the duration: the log may hold more than one program's worth.
+fn best_window<'a>(
+    log: &Log,
+    expected: &[Engagement],
+    long: &'a [Range<usize>],
+) -> Option<(&'a [Range<usize>], f64)> {
     let misfit = |window: &[Range<usize>]| -> f64 {
         let off = |(stretch, e): (&Range<usize>, &Engagement)| {
             // At most one sample period is lost at either end.
             let slack_s = 2.0 * log.sample_period_s();
-            let longer = duration_s(stretch) - e.duration_s();
+            let longer = duration_s(log, stretch) - e.duration_s();
             let longer = if longer < 0.0 { (longer + slack_s).min(0.0) } else { longer };
             if e.stops > 0 {
                 longer.min(0.0).abs() / e.duration_s()
@@ -157,14 +194,21 @@ pub(super) fn pair(
         };
         window.iter().zip(expected).map(off).fold(0.0, f64::max)
     };
-    let best = long
-        .windows(expected.len())
-        .min_by(|a, b| misfit(a).total_cmp(&misfit(b)))
-        .unwrap_or(&long);
-    if misfit(best) > DURATION_TOLERANCE {
-        return refuse("the bar reads for another time than the program takes");
-    }
-    Ok(best.to_vec())
+    let program_s = expected.last()?.end_s - expected.first()?.start_s;
+    let apart_s = |window: &[Range<usize>]| {
+        let (first, last) = (window.first(), window.last());
+        let (Some(first), Some(last)) = (first, last) else { return f64::INFINITY };
+        let time_s = |index: usize| log.readings()[index].time_s;
+        (time_s(last.end - 1) - time_s(first.start) - program_s).abs()
+    };
+    // Where several fit, one run's engagements stand closer together than those of two.
+    let windows = long.windows(expected.len()).map(|window| {
+        let misfit = misfit(window);
+        let fits = if misfit <= DURATION_TOLERANCE { 0.0 } else { misfit };
+        (window, misfit, (fits, apart_s(window)))
+    });
+    let best = windows.min_by(|a, b| a.2.0.total_cmp(&b.2.0).then(a.2.1.total_cmp(&b.2.1)))?;
+    Some((best.0, best.1))
 }
 
 /// Why a log does not belong to a program.
@@ -229,7 +273,7 @@ impl Refusal<'_> {
                     .hint("the bar reads from the log's first line on: its beginning is missing");
             }
             (false, true) => {
-                return error.hint("the bar reads until the log's last line: its end is missing");
+                return error.hint("the bar reads until the log's last line: its end is missing, or the balls are set up so far off that the feed-out does not release the bar");
             }
             (false, false) => {}
         }

@@ -24,15 +24,21 @@ const POINTS: [(f64, f64); 6] = [
 /// A lag that moves no corner by more than rounding of the program, s.
 const NONE_S: f64 = 1e-5;
 
-/// Where slides are that follow with a time constant, mm; its delay is not counted.
-pub(super) fn at(trajectory: &Trajectory, program_s: f64, following_s: f64) -> Vector3<f64> {
+/// Where slides are that follow with a time constant, mm; its delay is not counted. The time is near that of a block, by
+/// its index.
+pub(super) fn at(
+    trajectory: &Trajectory,
+    program_s: f64,
+    near: usize,
+    following_s: f64,
+) -> Vector3<f64> {
     if following_s < NONE_S {
-        return trajectory.at(program_s).position_mm;
+        return trajectory.position_near_mm(program_s, near);
     }
     // The last points weigh less than a part in a thousand.
     POINTS[..5].iter().fold(Vector3::zeros(), |sum, (s, weight)| {
         let then_s = program_s + following_s * (1.0 - s);
-        sum + *weight / WEIGHTS * trajectory.at(then_s).position_mm
+        sum + *weight / WEIGHTS * trajectory.position_near_mm(then_s, near)
     })
 }
 

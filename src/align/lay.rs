@@ -3,22 +3,52 @@
 use std::ops::Range;
 
 use super::draft::Draft;
-use super::engagement;
 use super::ramp::{Mark, MarkKind};
 use super::run::Run;
-use super::samples::Alignment;
+use super::samples::{Alignment, Part};
 use super::time_map::TimeMap;
+use super::{clipped, engagement};
 use crate::error::{Error, Kind, Place, Result};
 use crate::log::Log;
 
 /// Rounds in which the feed is estimated from the times of engagement and release.
-const MOST_ROUNDS: usize = 3;
+const MOST_ROUNDS: usize = 5;
+/// A feed is found when what is left is so little of the clock's tolerance.
+const NEAR: f64 = 0.1;
+/// The feed really was between half and one and a half times what is stated, or the log is another program's.
+const FEEDS: Range<f64> = 0.5..1.5;
+/// A loss of time at one place is looked for so far, s.
+const FARTHEST_LOSS_S: f64 = 30.0;
 
 /// Lays a log over the program that ran.
 ///
 /// # Errors
 /// When the log does not belong to the program, with the reason.
 pub fn align(run: &Run) -> Result<Alignment> {
+    let Some((log, clipped)) = clipped::taken_out(run.log) else { return aligned(run) };
+    let cut_mm = clipped.first().and_then(|reading| reading.deviation_mm).unwrap_or(0.0);
+    let alignment = match aligned(&Run { log: &log, ..*run }) {
+        Ok(alignment) => Alignment { clipped, ..alignment },
+        // A bar that reads its limit while it is out of range is not to blame.
+        Err(error) if cut_mm.abs() > 0.5 * run.rig.bar.range_mm => return Err(error),
+        Err(error) => {
+            let hint = Some(format!(
+                "{} readings are exactly {:.1} um, and none lies beyond: they were cut off there; find the limit of the bar, its amplifier or the program that wrote the log, and repeat the run",
+                clipped.len(),
+                1e3 * cut_mm
+            ));
+            return Err(Error { hint, ..error });
+        }
+    };
+    // A quiet instrument may stand at its highest reading throughout a dwell: that is no limit.
+    let stands = |part: &Part| matches!(part, Part::Dwell | Part::Stop);
+    let mut parts = alignment.clipped_parts().peekable();
+    let quiet = parts.peek().is_some() && parts.all(|part| stands(&part));
+    drop(parts);
+    if quiet { aligned(run) } else { Ok(alignment) }
+}
+
+fn aligned(run: &Run) -> Result<Alignment> {
     let observed = engagement::observed(run.log, run.rig.bar);
     let (mut draft, excess) = at_real_feed(run, &observed)?;
     refuse_inconsistent(run.log, &draft.time_map, &draft.marks)?;
@@ -42,15 +72,30 @@ struct Excess {
 fn at_real_feed(run: &Run, observed: &[Range<usize>]) -> Result<(Draft, Excess)> {
     let clock_tolerance = run.rig.bar.clock_tolerance;
     let mut excess = Excess::default();
-    let mut draft = Draft::new(run, observed, run.feed_override)?;
+    let (strict, any_feed) = (engagement::DURATION_TOLERANCE, engagement::ANY_FEED_TOLERANCE);
+    let drafted =
+        |feed: f64, tolerance: f64| Draft::new(run, observed, run.feed_override * feed, tolerance);
+    let (mut draft, refused) = match drafted(1.0, strict) {
+        Ok(draft) => (draft, None),
+        // A log that was cut off has lost its time at its end.
+        Err(error) if is_cut_off(run.log) => return Err(error),
+        // Perhaps the feed was another one.
+        Err(error) => match drafted(1.0, any_feed) {
+            Ok(draft) => (draft, Some(error)),
+            Err(_) => return Err(error),
+        },
+    };
     for round in 0..MOST_ROUNDS {
-        let unexplained = draft.time_map.rate.abs() > 1.5 * clock_tolerance;
-        if !unexplained {
+        let explained = draft.time_map.rate.abs() < 1.5 * clock_tolerance;
+        // The clock's tolerance would hold the rate back.
+        let mut at_any_rate = draft.time_map.clone();
+        at_any_rate.fit_marks_at_any_rate(&draft.marks)?;
+        let (rate, rate_sigma) = (at_any_rate.rate, at_any_rate.rate_sigma);
+        // Once it is the feed, longer standstills must not make up for a feed that went too far.
+        if explained && (round == 0 || rate.abs() < NEAR * clock_tolerance) {
             break;
         }
-        // The clock's tolerance would hold the rate back.
-        draft.time_map.fit_marks_at_any_rate(&draft.marks)?;
-        let (rate, rate_sigma) = (draft.time_map.rate, draft.time_map.rate_sigma);
+        draft.time_map = at_any_rate;
         let total = draft.trajectory.duration();
         let share = total.known_s() / total.feed_s.max(1e-9);
         excess = Excess {
@@ -58,13 +103,28 @@ fn at_real_feed(run: &Run, observed: &[Range<usize>]) -> Result<(Draft, Excess)>
             sigma: clock_tolerance.hypot(rate_sigma) * share,
         };
         if round == 0 {
-            let longer_s = rate.abs() * draft.trajectory.end_s();
+            let longer_s = (rate.abs() * draft.trajectory.end_s()).min(FARTHEST_LOSS_S);
             draft.time_map = draft.time_map.at_equal_rates(&draft.marks);
             refuse_step(run.log, &draft.laid(run), longer_s)?;
         }
-        draft = Draft::new(run, observed, run.feed_override * (1.0 + excess.share))?;
+        let feed = 1.0 + excess.share;
+        draft = match (drafted(feed, strict), &refused) {
+            (Ok(draft), _) => draft,
+            (Err(_), Some(_)) if FEEDS.contains(&feed) => drafted(feed, any_feed)?,
+            (Err(error), _) => return Err(refused.unwrap_or(error)),
+        };
     }
-    Ok((draft, excess))
+    match refused {
+        // After all the durations are those of the program at that feed.
+        Some(error) if drafted(1.0 + excess.share, strict).is_err() => Err(error),
+        _ => Ok((draft, excess)),
+    }
+}
+
+/// Whether the bar reads in the first line of a log or in its last.
+fn is_cut_off(log: &Log) -> bool {
+    let ends = [log.readings().first(), log.readings().last()];
+    ends.into_iter().flatten().any(|reading| reading.deviation_mm.is_some())
 }
 
 /// Engagements and releases of one leg fit a straight map to some ms; more than this is lost time, s.

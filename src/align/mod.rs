@@ -13,14 +13,17 @@
 //! The map is straight inside a leg. A log that lost readings there without a gap in its times, or a
 //! machine that stood where the program does not say so, is refused by [`TimeStep`].
 
+mod clipped;
 mod draft;
 mod engagement;
 mod following;
 mod lay;
+mod misread;
 mod ramp;
 mod run;
 mod samples;
 mod section;
+mod slip;
 mod steps;
 mod stops;
 #[cfg(test)]
@@ -31,9 +34,10 @@ mod window;
 
 pub use engagement::{Engagement, Refusal};
 pub use lay::align;
+pub use misread::{Misread, misread};
 pub use ramp::{Mark, MarkKind};
 pub use run::{Rig, Run};
-pub use samples::{Alignment, Part, Sample};
+pub use samples::{Alignment, Part, Sample, Slip};
 pub use section::{Circle, Section};
 pub use steps::{ArcTime, TimeStep};
 pub use time_map::{Break, Moment, TimeMap};

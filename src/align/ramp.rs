@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::engagement::Engagement;
 use super::run::Run;
+use crate::log::Log;
 use crate::motion::Trajectory;
 use crate::plan::BallBar;
 
@@ -61,16 +62,7 @@ pub(super) fn mark(
     let foot_s = foot_of_ramp_s(edge_program_s, engages, &deviation_mm, bar);
     let ramp_s = (foot_s - edge_program_s).abs();
     let edge_log_s = inwards.first().map_or(0.0, |&first| log.readings()[first].time_s);
-    // A second of readings past the foot of the ramp gives the deviation there.
-    let settled: Vec<f64> = inwards
-        .iter()
-        .map(|&index| log.readings()[index])
-        .skip_while(|r| (r.time_s - edge_log_s).abs() < ramp_s + period_s)
-        .take_while(|r| (r.time_s - edge_log_s).abs() < ramp_s + period_s + 1.0)
-        .filter_map(|r| r.deviation_mm)
-        .collect();
-    let offset_mm =
-        if settled.is_empty() { 0.0 } else { settled.iter().sum::<f64>() / settled.len() as f64 };
+    let offset_mm = settled_mm(log, &inwards, ramp_s);
     let sign = if deviation_mm(edge_program_s) > 0.0 { 1.0 } else { -1.0 };
     let mut sum = (0.0, 0.0, 0.0);
     let mut samples = 0;
@@ -106,6 +98,62 @@ pub(super) fn mark(
         samples,
     }
 }
+
+/// The deviation past the foot of a ramp, by a second of readings there, mm; `inwards` are those from the edge on.
+fn settled_mm(log: &Log, inwards: &[usize], ramp_s: f64) -> f64 {
+    let edge_s = inwards.first().map_or(0.0, |&first| log.readings()[first].time_s);
+    let past_s = ramp_s + log.sample_period_s();
+    let settled: Vec<f64> = inwards
+        .iter()
+        .map(|&index| log.readings()[index])
+        .skip_while(|r| (r.time_s - edge_s).abs() < past_s)
+        .take_while(|r| (r.time_s - edge_s).abs() < past_s + 1.0)
+        .filter_map(|r| r.deviation_mm)
+        .collect();
+    if settled.is_empty() { 0.0 } else { settled.iter().sum::<f64>() / settled.len() as f64 }
+}
+
+/// How high the outermost reading of a ramp stands over its foot, and how high it should.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Height {
+    /// As it was read, mm; above 0 on the side of the foot on which the program has it.
+    pub(super) read_mm: f64,
+    /// As the program has it half a sample period inside the range, mm.
+    pub(super) programmed_mm: f64,
+}
+
+/// The height of a ramp, where it is slow enough that a reading must stand high on it.
+pub(super) fn height(
+    run: &Run,
+    trajectory: &Trajectory,
+    engagement: &Engagement,
+    stretch: &Range<usize>,
+    kind: MarkKind,
+) -> Option<Height> {
+    let (log, bar) = (run.log, run.rig.bar);
+    let engages = kind == MarkKind::Engagement;
+    let (edge_s, inwards_s) =
+        if engages { (engagement.start_s, 1.0) } else { (engagement.end_s, -1.0) };
+    let deviation_mm =
+        |time_s: f64| run.rig.commanded_deviation_mm(&trajectory.at(time_s).position_mm);
+    let sign = deviation_mm(edge_s).signum();
+    let later_mm =
+        |periods: f64| sign * deviation_mm(edge_s + inwards_s * periods * log.sample_period_s());
+    let foot_s = foot_of_ramp_s(edge_s, engages, &deviation_mm, bar);
+    let period_in_ramp = log.sample_period_s() < (foot_s - edge_s).abs();
+    if !period_in_ramp || later_mm(1.0) < HIGH * bar.range_mm {
+        return None;
+    }
+    let inwards: Vec<usize> =
+        if engages { stretch.clone().collect() } else { stretch.clone().rev().collect() };
+    let outermost_mm = log.readings()[*inwards.first()?].deviation_mm?;
+    let offset_mm = settled_mm(log, &inwards, (foot_s - edge_s).abs());
+    Some(Height { read_mm: sign * (outermost_mm - offset_mm), programmed_mm: later_mm(0.5) })
+}
+
+/// A reading that must stand higher on a ramp than this share of the range tells the unit: an inch is 25 mm, and with a
+/// bar that reads a little less than is stated there is room still.
+const HIGH: f64 = 0.25;
 
 /// Where the ramp meets the sphere: the commanded deviation stops falling, or reaches zero.
 fn foot_of_ramp_s(

@@ -7,6 +7,7 @@ use super::following;
 use super::ramp::Mark;
 use super::section::Section;
 use super::time_map::TimeMap;
+use super::window;
 use crate::log::Reading;
 use crate::machine::Pose;
 use crate::model::Motion;
@@ -46,6 +47,21 @@ pub struct Sample {
     pub part: Part,
     /// Index of the leg of the time map.
     pub leg: usize,
+    /// Index of the block of the trajectory.
+    pub block: usize,
+}
+
+/// A step of the readings, which stay where it took them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slip {
+    /// On the log's clock, s: half way between the readings before and after.
+    pub log_s: f64,
+    /// Line of the first reading after it.
+    pub line: usize,
+    /// What was read more from there on, mm.
+    pub step_mm: f64,
+    /// Standard deviation of that, by the lines on either side, mm.
+    pub sigma_mm: f64,
 }
 
 /// One run: a log laid over a program.
@@ -74,6 +90,12 @@ pub struct Alignment {
     pub began_log_s: f64,
     /// Standard deviation of that, s.
     pub began_sigma_s: f64,
+    /// When else the log shows the bar engaged for as long, on its own clock, s: other runs.
+    pub other_runs_s: Vec<[f64; 2]>,
+    /// Readings that were cut off at one value; they take no part.
+    pub clipped: Vec<Reading>,
+    /// Steps that were taken out of the readings after them: the bar slipped.
+    pub slips: Vec<Slip>,
     pub(super) reversals: Reversals,
     pub(super) coincidence_mm: Vector3<f64>,
     /// Readings in engagements.
@@ -85,15 +107,45 @@ pub struct Alignment {
 impl Alignment {
     /// The readings, in a fast log their means, where the time map, as it is now, lays them.
     pub fn samples(&self) -> Vec<Sample> {
-        self.laid(&self.windows)
+        self.laid(&self.windows, self.node_s())
+    }
+
+    /// How far either side of its middle a sample that is a mean of readings is looked at, s; 0 where it is one reading.
+    ///
+    /// The mean of a curve of third degree over the readings is that of its values there and in the middle.
+    pub fn node_s(&self) -> f64 {
+        window::node_s(self.averaged, self.sample_period_s)
     }
 
     /// Every reading where the time map, as it is now, lays it.
     pub fn every_reading(&self) -> Vec<Sample> {
-        self.laid(&self.readings)
+        self.laid(&self.readings, 0.0)
     }
 
-    fn laid(&self, readings: &[Reading]) -> Vec<Sample> {
+    /// In what parts of the program readings were cut off while the bar was engaged.
+    pub(super) fn clipped_parts(&self) -> impl Iterator<Item = Part> {
+        let engaged = |program_s: f64| {
+            self.engagements.iter().any(|e| (e.start_s..=e.end_s).contains(&program_s))
+        };
+        let laid = self.laid(&self.clipped, 0.0).into_iter();
+        laid.filter(move |sample| engaged(sample.program_s)).map(|sample| sample.part)
+    }
+
+    /// The values that readings on arcs were cut off at, mm, each with how many.
+    pub fn cut_off(&self) -> Vec<(f64, usize)> {
+        let mut cut_mm: Vec<f64> = self
+            .laid(&self.clipped, 0.0)
+            .into_iter()
+            .filter(|sample| matches!(sample.part, Part::Arc(_)))
+            .map(|sample| sample.deviation_mm)
+            .collect();
+        cut_mm.sort_by(f64::total_cmp);
+        let equal = |a: &f64, b: &f64| a.total_cmp(b).is_eq();
+        cut_mm.chunk_by(equal).map(|of| (of[0], of.len())).collect()
+    }
+
+    /// Readings where the time map lays them, means of a window with the bow of the path in it taken off.
+    fn laid(&self, readings: &[Reading], node_s: f64) -> Vec<Sample> {
         let (trajectory, time_map) = (&self.trajectory, &self.time_map);
         let mut samples = Vec::with_capacity(readings.len());
         for &Reading { time_s: log_s, deviation_mm, line } in readings {
@@ -103,12 +155,19 @@ impl Alignment {
             let before_s = if moment.in_stop { 1e-6 } else { 0.0 };
             let mut state = trajectory.at(moment.program_s - before_s);
             if !moment.in_stop {
-                state.position_mm = self.followed_mm(moment.program_s, time_map.following_s)
-                    - time_map.delays_s.component_mul(&state.velocity_mm_s);
+                state.position_mm =
+                    self.followed_mm(moment.program_s, state.block, time_map.following_s)
+                        - time_map.delays_s.component_mul(&state.velocity_mm_s);
             }
+            let moves = state.velocity_mm_s.norm() > 1e-9;
+            let bow_mm = if node_s > 0.0 && moves {
+                self.bow_mm(moment.program_s, state.block, node_s)
+            } else {
+                0.0
+            };
             let part = if moment.in_stop {
                 Part::Stop
-            } else if state.velocity_mm_s.norm() < 1e-9 {
+            } else if !moves {
                 Part::Dwell
             } else {
                 match self
@@ -126,7 +185,7 @@ impl Alignment {
                 line,
                 program_s: moment.program_s,
                 time_sigma_s: time_map.sigma_s(log_s, moment.leg),
-                deviation_mm,
+                deviation_mm: deviation_mm - bow_mm,
                 pose: Pose { position_mm: state.position_mm, sense: state.sense },
                 motion: Motion {
                     velocity_mm_s: state.velocity_mm_s,
@@ -134,18 +193,32 @@ impl Alignment {
                     program_s: moment.program_s,
                     reversals: self.reversals.last(moment.program_s, &state.position_mm),
                     corner: trajectory.corner(moment.program_s, state.block),
+                    ..Motion::REST
                 },
                 part,
                 leg: moment.leg,
+                block: state.block,
             });
         }
         samples
     }
 
+    /// By how much the mean of the commanded length over a window is longer than the length in its middle, mm.
+    ///
+    /// The mean of a curve of third degree is that of its values at the middle and [`window::node_s`] either side of it.
+    fn bow_mm(&self, program_s: f64, near: usize, node_s: f64) -> f64 {
+        let length_mm = |at_s: f64| {
+            (self.followed_mm(at_s, near, self.time_map.following_s) - self.coincidence_mm).norm()
+        };
+        let [before_mm, middle_mm, after_mm] =
+            [-node_s, 0.0, node_s].map(|aside_s| length_mm(program_s + aside_s));
+        (before_mm + after_mm - 2.0 * middle_mm) / 3.0
+    }
+
     /// Where slides are at a program time that all follow the program alike with a time constant, mm; that they do so
-    /// late is in the offsets.
-    pub fn followed_mm(&self, program_s: f64, following_s: f64) -> Vector3<f64> {
-        following::at(&self.trajectory, program_s, following_s)
+    /// late is in the offsets. The time is near that of a block, by its index.
+    pub fn followed_mm(&self, program_s: f64, near: usize, following_s: f64) -> Vector3<f64> {
+        following::at(&self.trajectory, program_s, near, following_s)
     }
 
     /// Machine coordinates at which the ball centres coincide, mm.

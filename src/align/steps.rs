@@ -126,13 +126,16 @@ impl Alignment {
     pub fn time_step(&self, reach_s: f64) -> Option<TimeStep> {
         let times = self.arc_times(reach_s);
         let leg = |time: &ArcTime| self.time_map.leg_of(self.sections[time.section].start_s);
+        let offset_s = |time: &ArcTime| self.time_map.offsets_s[leg(time)];
+        let stood_s = |first: &ArcTime, second: &ArcTime| offset_s(second) - offset_s(first);
         let mut steps: Vec<TimeStep> = times
             .windows(2)
             .filter(|two| self.time_map.hang_together(leg(&two[0]), leg(&two[1])))
             .map(|two| TimeStep {
                 before: two[0].section,
                 after: two[1].section,
-                lost_s: two[1].shift_s - two[0].shift_s,
+                // A standstill between them may have taken in a part of it.
+                lost_s: two[1].shift_s - two[0].shift_s - stood_s(&two[0], &two[1]),
             })
             .collect();
         if steps.len() < 3 {

@@ -7,7 +7,7 @@ use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 use rand_pcg::Pcg64Mcg;
 
-use super::engagement::{expected, observed, pair};
+use super::engagement::{DURATION_TOLERANCE, expected, observed, pair};
 use super::section::sections;
 use super::*;
 use crate::error::{Kind, Result};
@@ -209,7 +209,7 @@ fn the_stretch_of_the_program_is_told_from_gaps_and_from_the_hand() {
     let engagements = expected(&trajectory, &bench.rig());
     let expected_stretch = {
         let found = observed(&whole, &bench.bar);
-        pair(&whole, &engagements, &found, &trajectory, 1.0).unwrap()
+        pair(&whole, &engagements, &found, &trajectory, 1.0, DURATION_TOLERANCE).unwrap().stretches
     };
     let engaged = expected_stretch[0].clone();
     let changed = csv.lines().enumerate().map(|(k, line)| {
@@ -227,7 +227,10 @@ fn the_stretch_of_the_program_is_told_from_gaps_and_from_the_hand() {
     let changed = log_of(&changed.collect::<String>());
     let found = observed(&changed, &bench.bar);
     assert_eq!(found.len(), 2, "{found:?}");
-    assert_eq!(pair(&changed, &engagements, &found, &trajectory, 1.0).unwrap(), expected_stretch);
+    let paired =
+        pair(&changed, &engagements, &found, &trajectory, 1.0, DURATION_TOLERANCE).unwrap();
+    assert_eq!(paired.stretches, expected_stretch);
+    assert!(paired.beside.is_empty());
 }
 
 #[test]
@@ -248,7 +251,7 @@ fn sections_are_the_arcs_of_the_plan() {
 }
 
 #[test]
-fn a_knob_a_little_off_is_estimated_and_one_far_off_refused_with_a_hint() {
+fn a_knob_that_is_off_is_estimated_and_one_too_far_off_refused_with_a_hint() {
     let bench = Bench::new(ARCS);
     let at = |feed_override: f64| {
         let run = bench.simulated(&Scenario { feed_override, ..Scenario::default() });
@@ -260,9 +263,14 @@ fn a_knob_a_little_off_is_estimated_and_one_far_off_refused_with_a_hint() {
     assert!((map.override_excess - -0.01).abs() < 3.0 * map.override_sigma, "{map:?}");
     assert!(map.override_sigma < 3.0 * bench.bar.clock_tolerance, "{map:?}");
     assert!(run.clock.ppm.abs() * 1e-6 < bench.bar.clock_tolerance);
-    let error = at(0.8).0.unwrap_err();
+    for real in [0.6, 0.8, 0.97, 1.04, 1.4] {
+        let map = at(real).0.unwrap().time_map;
+        let off = map.override_excess - (real - 1.0);
+        assert!(off.abs() < 3.0 * map.override_sigma, "{real}: {map:?}");
+    }
+    let error = at(0.45).0.unwrap_err();
     assert_eq!(error.kind, Kind::Mismatch);
-    assert!(error.to_string().contains("`feed_override_percent = 80.0`"), "{error}");
+    assert!(error.to_string().contains("`feed_override_percent = 45.0`"), "{error}");
 }
 
 /// The rounding of the chords tells the time of each arc, without any model.

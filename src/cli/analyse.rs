@@ -42,21 +42,16 @@ pub(super) fn add_results(
     analysis: &Analysis,
 ) -> Result<String> {
     let json = analysis.to_json()?;
-    files.add(
-        directory.join("report.html"),
-        report::html::render(analysis, &identified.campaign.repeats)?,
-    );
+    files.add(directory.join("report.html"), report::html::render(analysis, identified.shown())?);
     files.add(directory.join("analysis.json"), json.clone());
     if let Some(diagnosis) = identified.diagnosis.as_ref().filter(|d| !d.findings.is_empty()) {
         let model = diagnosis.model_file(&identified.campaign);
         files.add(directory.join("model.toml"), model.to_toml());
     }
-    for identification in &identified.campaign.repeats {
-        for run in &identification.runs {
-            let mut text = Vec::new();
-            report::write_samples(&mut text, run)?;
-            files.add(directory.join(format!("samples-{}.csv", run.name)), text);
-        }
+    for (run, before) in identified.shown().runs() {
+        let mut text = Vec::new();
+        report::write_samples(&mut text, run, before)?;
+        files.add(directory.join(format!("samples-{}.csv", run.name)), text);
     }
     Ok(json)
 }

@@ -1,5 +1,6 @@
 //! `ballbar blind`: the standing trial.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::Mutex;
@@ -8,17 +9,20 @@ use clap::Args;
 use serde_json::json;
 
 use super::common::Common;
-use super::output::{self, Talk};
+use super::output::{self, Files, Talk};
 use crate::diagnose::{Finding, Separation};
 use crate::error::{Error, Result};
 use crate::model::Form;
-use crate::trial::{Class, Course, Outcome, REQUIRED, Request, Session, table};
+use crate::trial::{
+    Class, Course, Grid, IN_GRID, Outcome, REQUIRED, Request, Session, grid_table, table,
+};
 
 /// Hide effects at random, diagnose without knowing, and count what comes out
 ///
 /// Each trial simulates a campaign - built in: three runs of 3D6 at 500 mm/min and two at 1500 mm/min, each
 /// on a day of its own - with nothing, one effect, two, or one that the library of causes does not have
 /// hidden in it, and diagnoses it. Every run's noise is that of the sample measurements, 0.15 um a reading.
+#[allow(clippy::struct_excessive_bools)] // switches of a command line
 #[derive(Args)]
 #[command(after_help = "Examples:
   ballbar blind                                20 trials of each class
@@ -26,6 +30,8 @@ use crate::trial::{Class, Course, Outcome, REQUIRED, Request, Session, table};
   ballbar blind --class single --size 0.5 --trials 50 --list
   ballbar blind --trial two:17                 one of them again, with all that was found
   ballbar blind test.toml --repeats 5          on the programs of a test
+  ballbar blind --grid --full --list           campaigns of all kinds, rates for each kind
+  ballbar blind --grid --trial none:17         one of them again
 
 Classes: single (1 um rms), small (as the noise), sizes (0.3, 0.5, 2 times the noise), none, two (1 um
 each), outside (a bump, a joint or a friction tilt of 1 um)")]
@@ -36,6 +42,9 @@ pub(super) struct Arguments {
     /// How often the plan of TEST is repeated, instead of its runs
     #[arg(long, requires = "test", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeats: Option<u32>,
+    /// Draw every campaign: test, machine, motion, readings a second, runs, noise, feed
+    #[arg(long, conflicts_with_all = ["test", "repeats"])]
+    grid: bool,
     /// Where everything random begins
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -57,6 +66,9 @@ pub(super) struct Arguments {
     /// Do one trial again and print all that was found
     #[arg(long, value_name = "CLASS:INDEX", value_parser = request, conflicts_with_all = ["class", "full", "trials", "list"])]
     trial: Option<Request>,
+    /// With `--grid --trial`: write its machine, test, programs and logs, and what is true, for the other commands
+    #[arg(long, requires_all = ["trial", "grid"])]
+    write: bool,
 }
 
 fn class(name: &str) -> std::result::Result<Class, String> {
@@ -81,19 +93,67 @@ fn request(text: &str) -> std::result::Result<Request, String> {
 
 impl Arguments {
     pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
+        let size_mm = self.size.map(|um| um * 1e-3);
+        if self.grid {
+            return self.run_grid(&Grid { seed: self.seed, size_mm }, common, talk);
+        }
         let course = match &self.test {
             Some(file) => Course::of(file, self.repeats)?,
             None => Course::built_in()?,
         };
-        let session = Session::new(course, self.seed, self.size.map(|um| um * 1e-3))?;
+        let session = Session::new(course, self.seed, size_mm)?;
         if let Some(request) = self.trial {
-            return replay(&session, request, common);
+            return told(&session.replay(request)?, common);
         }
-        let requests = self.requests();
+        let requests = self.requests(&REQUIRED);
+        let run = |finished: Told<'_>| session.run(&requests, finished);
+        let outcomes = self.outcomes(&requests, &run, common, talk)?;
+        if common.json {
+            let list: Vec<_> = outcomes.iter().map(as_json).collect();
+            let all =
+                json!({ "seed": self.seed, "noise_um": 1e3 * session.noise_mm(), "trials": list });
+            return output::print(&format!("{all:#}\n"));
+        }
+        output::print_summary(&table(&outcomes, session.noise_mm()))
+    }
+
+    fn run_grid(&self, grid: &Grid, common: &Common, talk: &Talk) -> Result<()> {
+        if let (Some(request), true) = (self.trial, self.write) {
+            let mut files = Files::default();
+            for (name, text) in grid.files(request)? {
+                files.add(common.output.join(name), text);
+            }
+            files.keep(&[])?;
+            for file in files.write()? {
+                output::print(&format!("{}\n", file.display()))?;
+            }
+            return Ok(());
+        }
+        if let Some(request) = self.trial {
+            return told(&grid.trial(request, true), common);
+        }
+        let requests = self.requests(&IN_GRID);
+        let run = |finished: Told<'_>| grid.run(&requests, finished);
+        let outcomes = self.outcomes(&requests, &run, common, talk)?;
+        if common.json {
+            let list: Vec<_> = outcomes.iter().map(as_json).collect();
+            return output::print(&format!("{:#}\n", json!({ "seed": self.seed, "trials": list })));
+        }
+        output::print_summary(&grid_table(&outcomes))
+    }
+
+    /// Runs trials with a bar of progress and, where they are listed, a line for each.
+    fn outcomes(
+        &self,
+        requests: &[Request],
+        run: &dyn Fn(Told<'_>) -> Result<Vec<Outcome>>,
+        common: &Common,
+        talk: &Talk,
+    ) -> Result<Vec<Outcome>> {
         let progress = talk.progress(requests.len(), "trials");
         let listed = self.list && !common.json;
-        let lines = Mutex::new(InOrder { requests: &requests, ready: Vec::new(), told: 0 });
-        let outcomes = session.run(&requests, &|outcome| {
+        let lines = Mutex::new(InOrder { requests, ready: Vec::new(), told: 0 });
+        let outcomes = run(&|outcome| {
             if let (true, Ok(mut lines)) = (listed, lines.lock()) {
                 let due = lines.with(outcome);
                 // What cannot be written will be told with the table.
@@ -102,22 +162,15 @@ impl Arguments {
             progress.inc(1);
         });
         progress.finish_and_clear();
-        let outcomes = outcomes?;
-        if common.json {
-            let list: Vec<_> = outcomes.iter().map(as_json).collect();
-            let all =
-                json!({ "seed": self.seed, "noise_um": 1e3 * session.noise_mm(), "trials": list });
-            return output::print(&format!("{all:#}\n"));
-        }
         if listed {
             output::print("\n")?;
         }
-        output::print_summary(&table(&outcomes, session.noise_mm()))
+        outcomes
     }
 
-    fn requests(&self) -> Vec<Request> {
+    fn requests(&self, required: &[(Class, usize)]) -> Vec<Request> {
         let wanted = |class: Class| self.class.is_empty() || self.class.contains(&class);
-        let each = REQUIRED.into_iter().filter(|(class, _)| wanted(*class));
+        let each = required.iter().copied().filter(|(class, _)| wanted(*class));
         each.flat_map(|(class, full)| {
             let count = if self.full { full } else { self.trials };
             (0..count as u64).map(move |index| Request { class, index })
@@ -127,15 +180,14 @@ impl Arguments {
 }
 
 /// One trial with all that its diagnosis says.
-fn replay(session: &Session, request: Request, common: &Common) -> Result<()> {
-    let outcome = session.replay(request)?;
+fn told(outcome: &Outcome, common: &Common) -> Result<()> {
     if common.json {
-        return output::print(&format!("{:#}\n", as_json(&outcome)));
+        return output::print(&format!("{:#}\n", as_json(outcome)));
     }
     if let Some(failure) = &outcome.failure {
         return Err(Error::input(failure.clone()));
     }
-    let mut text = line(&outcome);
+    let mut text = line(outcome);
     for finding in outcome.findings.iter().flatten() {
         text.push_str(&described(finding));
     }
@@ -167,6 +219,9 @@ fn described(finding: &Finding) -> String {
     }
     text
 }
+
+/// What is called after each trial.
+type Told<'a> = &'a (dyn Fn(&Outcome) + Sync);
 
 /// Lines of trials, told in the order in which they were asked for.
 struct InOrder<'a> {
@@ -225,6 +280,14 @@ fn line(outcome: &Outcome) -> String {
     for (run, why) in &outcome.left_out {
         let _ = write!(text, " | without {run}: {why}");
     }
+    if !outcome.strata.is_empty() {
+        let values: Vec<&str> = outcome.strata.iter().map(|(_, value)| value.as_str()).collect();
+        let _ = write!(text, " | {}", values.join(", "));
+    }
+    for off in outcome.off_by.iter().filter(|off| off.alls.abs() > 2.0) {
+        let _ =
+            write!(text, " | {} {:+.1} of all, {:+.1} of noise", off.name, off.alls, off.noises);
+    }
     text.push('\n');
     text
 }
@@ -249,6 +312,12 @@ fn as_json(outcome: &Outcome) -> serde_json::Value {
         "verdict": outcome.judgement.verdict.name(),
         "wrong_named": outcome.judgement.wrong_named,
         "failure": outcome.failure,
+        "strata": outcome.strata.iter().cloned().collect::<BTreeMap<_, _>>(),
+        "numbers": outcome.off_by.iter().map(|off| json!({
+            "quantity": off.name,
+            "off_in_noise": off.noises,
+            "off_in_all": off.alls,
+        })).collect::<Vec<_>>(),
         "simulate_s": outcome.seconds.simulate_s,
         "identify_s": outcome.seconds.identify_s,
         "diagnose_s": outcome.seconds.diagnose_s,

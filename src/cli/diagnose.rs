@@ -33,12 +33,16 @@ impl Arguments {
         }
         let identified = identified.diagnosed(talk)?;
         let analysis = identified.analysis();
+        for caution in identified.campaign.cautions() {
+            talk.say(&format!("caution: {caution}"));
+        }
         let facts = analysis.diagnosis.as_ref().ok_or_else(|| {
             Error::new(Kind::Undetermined, "there is nothing to diagnose")
                 .hint("give the test file at least one `[[run]]`")
         })?;
         let mut files = Files::default();
         add_results(&mut files, &common.output, &identified, &analysis)?;
-        files.deliver(common.json, talk, &facts.to_json()?, &report::diagnosis_text(facts))
+        let text = report::diagnosis_text(facts) + &report::place_text(&analysis);
+        files.deliver(common.json, talk, &facts.to_json()?, &text)
     }
 }

@@ -12,7 +12,7 @@ use crate::identify::{Campaign, Failure};
 use crate::machine::Machine;
 use crate::model::ModelFile;
 use crate::plan::Test;
-use crate::report::{Analysis, DiagnosisFacts};
+use crate::report::{Analysis, Shown};
 use crate::solve::Loss;
 
 /// A test, and what to estimate where it differs from the test file.
@@ -99,10 +99,20 @@ impl Identified {
 
     /// What is told about it.
     pub(super) fn analysis(&self) -> Analysis {
-        let repeats = &self.campaign.repeats;
-        let mut analysis = Analysis::new(&self.test, &self.machine, &self.campaign);
-        let facts = |diagnosis| DiagnosisFacts::new(&self.machine, repeats, diagnosis);
-        analysis.diagnosis = self.diagnosis.as_ref().map(facts);
-        analysis
+        let Self { test, machine, campaign, diagnosis } = self;
+        match diagnosis {
+            Some(diagnosis) => Analysis::diagnosed(test, machine, campaign, diagnosis),
+            None => Analysis::new(test, machine, campaign),
+        }
+    }
+
+    /// The repeats as they are told: with what was found, and without.
+    pub(super) fn shown(&self) -> Shown<'_> {
+        let extended = self.diagnosis.as_ref().and_then(|diagnosis| diagnosis.extended.as_ref());
+        let stated = &self.campaign.repeats;
+        Shown {
+            repeats: extended.map_or(stated, |extended| &extended.campaign.repeats),
+            before: extended.map_or(&[], |_| stated),
+        }
     }
 }

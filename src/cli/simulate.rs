@@ -12,12 +12,15 @@ use crate::machine::Machine;
 use crate::model::{Effect, ModelFile};
 use crate::nc;
 use crate::plan::Test;
-use crate::simulate::{Coincidence, Scenario, SimulatedRun, TrueRun, run, truth_toml};
+use crate::simulate::{
+    Coincidence, Scenario, SimulatedRun, TrueRun, at_the_place, run, truth_toml,
+};
 
 /// Simulate the logs of a test on a virtual machine
 ///
 /// The programs are those of the test's plan or, without a plan, those of its runs. Logs, programs, what
 /// was put in (truth.toml) and a test file that names them all are written, ready for `ballbar analyse`.
+/// The machine is drawn from what its file takes for plausible, another one with every seed.
 #[derive(Args)]
 #[command(after_help = "Examples:
   ballbar simulate test.toml -o virtual && ballbar analyse virtual/test.toml
@@ -30,9 +33,12 @@ pub(super) struct Arguments {
     /// The test file
     #[arg(value_name = "TEST")]
     test: PathBuf,
-    /// What the machine and the instrument are like; without it the paper's machine
+    /// What the machine and the instrument are like
     #[arg(long, value_name = "FILE")]
     scenario: Option<PathBuf>,
+    /// Take the coefficients of the paper's Table 5 where the scenario has none, instead of drawing a machine
+    #[arg(long, conflicts_with = "model")]
+    paper: bool,
     /// Hide an effect, besides those of the scenario: CAUSE:key=value,... Give it again for several
     #[arg(long, value_name = "EFFECT")]
     hide: Vec<String>,
@@ -68,7 +74,7 @@ impl Arguments {
     pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
         let test = Test::read(&self.test)?;
         let machine = test.machine()?;
-        let scenario = self.scenario_of(&test)?;
+        let scenario = self.scenario_of(&test, &machine)?;
         let sources = Self::sources(&test, &machine)?;
         let progress = talk.progress(sources.len() * self.repeats as usize, "simulating");
         let simulated = self.simulate(&test, &machine, &scenario, &sources, &|| progress.inc(1));
@@ -85,7 +91,10 @@ impl Arguments {
             .iter()
             .map(|one| TrueRun { log: &one.log, program: &sources[one.source].file, run: &one.run })
             .collect();
-        files.add(common.output.join("truth.toml"), truth_toml(&truths));
+        files.add(
+            common.output.join("truth.toml"),
+            truth_toml(&truths, &asked_of(&test, &machine, &scenario)?),
+        );
         files.add(common.output.join("test.toml"), self.test_of(&test, &sources, &simulated)?);
         files.keep(&self.inputs(&test, &machine))?;
         let files = files.write()?;
@@ -104,7 +113,7 @@ impl Arguments {
     }
 
     /// The scenario of the file with what the command line adds.
-    fn scenario_of(&self, test: &Test) -> Result<Scenario> {
+    fn scenario_of(&self, test: &Test, machine: &Machine) -> Result<Scenario> {
         let mut scenario = match &self.scenario {
             Some(file) => Scenario::read(file)?,
             // In several places, far from the middle of the travel, an operator brings the balls together
@@ -122,6 +131,11 @@ impl Arguments {
         }
         for effect in &self.hide {
             scenario.hide(Effect::parse(effect)?)?;
+        }
+        if !self.paper {
+            let mountings: Vec<_> = test.mountings().iter().map(|m| m.mounting).collect();
+            let longest_mm = (0..mountings.len()).map(|m| test.bar_of(m).length_mm);
+            scenario.draw_machine(machine, &mountings, longest_mm.fold(0.0, f64::max));
         }
         Ok(scenario)
     }
@@ -226,6 +240,13 @@ impl Arguments {
         table.insert("run".into(), runs.into());
         toml::to_string(&table).map_err(|error| faulty(error.to_string()))
     }
+}
+
+/// What is true at the place about which a machine was drawn.
+fn asked_of(test: &Test, machine: &Machine, scenario: &Scenario) -> Result<Vec<(String, f64)>> {
+    let Some(place) = &scenario.place else { return Ok(Vec::new()) };
+    let mounting = &test.mountings()[0].mounting;
+    at_the_place(machine, mounting, scenario, &place.middle_mm, &place.reach_mm)
 }
 
 /// What the log of a program is called, by what tells it from the others.

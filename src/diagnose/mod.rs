@@ -25,14 +25,16 @@ pub use account::numbers::Number;
 pub use account::times::{OffCause, OffTime};
 pub use choose::found::{Rival, Separation};
 pub use choose::settings::WrongSetting;
-pub use result::{Diagnosis, Finding, Verdict};
+pub use result::{Diagnosis, ExtendedModel, Finding, Verdict};
 pub use views::feature::Feature;
 pub use views::picture::{Picture, Point};
 pub use views::view::{Bin, Subject, View, ViewKind};
 
-use account::{arcs, gain, moved, numbers, times, unseen};
+use account::gain::{self, Gains};
+use account::{arcs, costs, moved, numbers, times, unseen};
+use choose::extend::{self, Extended};
 use choose::found::Chosen;
-use choose::{extend, run, settings};
+use choose::{run, settings};
 use views::{means, picture, sample, spectra};
 
 use crate::error::Result;
@@ -97,20 +99,16 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         Some(now) => (&now.test, &now.machine, &now.campaign),
         None => (test, machine, campaign),
     };
-    let extended = match run::chosen(&searched, campaign) {
-        Some(chosen) => extend::extend(test, machine, campaign, chosen)?,
-        None => None,
-    };
+    let (mut extended, gains) = confirmed(test, machine, campaign, &searched)?;
     // About the extended model a few more samples, or fewer, take part.
-    let (residuals, chosen, shown) = match &extended {
-        Some(now) => (&now.residuals, Some(&now.chosen), &now.campaign),
-        None => (&searched, None, campaign),
+    let (residuals, chosen) = match &extended {
+        Some(now) => (&now.residuals, Some(&now.chosen)),
+        None => (&searched, None),
     };
     let fitted = chosen.map(|chosen| &chosen.fitted);
     let (alone, beside) = (residuals.alone(), beside(residuals, chosen));
     let (noise, left_mm) = (beside.noise(), &beside.left_mm);
-    let (runs, by_arc) = gain::by_run(&alone, left_mm, fitted);
-    let explained = fitted.and_then(|_| gain::explained(&by_arc));
+    let explained = fitted.and_then(|_| gain::explained(&gains.arcs));
     let samples = residuals.samples();
     let verdict = Verdict {
         before_mm: searched.rms_mm(searched.model_mm2()),
@@ -124,33 +122,70 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         explained_interval: explained.and_then(|explained| explained.interval),
         smallest_mm: residuals.rms_mm(thresholds::threshold_mm2(&beside)),
     };
-    let moved = match (fitted, &extended) {
-        (Some(fitted), Some(extended)) => {
-            moved::moved(residuals, campaign, &extended.campaign, fitted, noise.long_run_mm2)
-        }
-        _ => Vec::new(),
-    };
     let pictures = fitted.map_or_else(Vec::new, |fitted| {
         let of = |k| picture::picture(residuals, fitted, k, left_mm, noise.long_run_mm2);
         (0..fitted.elements.len()).map(of).collect()
     });
+    let shown = extended.as_ref().map_or(campaign, |now| &now.campaign);
     let diagnosis = Diagnosis {
         verdict,
         findings: findings(&beside, chosen),
-        runs,
-        programs: fitted.map_or_else(Vec::new, |fitted| gain::by_program(&alone, fitted)),
-        moved,
-        unseen: unseen::unseen(&alone, campaign, verdict.structure_before.is_some()),
+        runs: gains.runs,
+        programs: fitted
+            .map_or_else(Vec::new, |fitted| gain::by_program(&searched, &alone, fitted)),
+        moved: Vec::new(),
+        unseen: unseen::unseen(
+            &alone,
+            campaign,
+            verdict.structure_before.is_some(),
+            fitted.is_some(),
+        ),
         views: views(residuals, shown, left_mm, noise),
         pictures,
-        arcs: arcs::arcs(residuals, shown, left_mm),
+        arcs: arcs::arcs((&searched, campaign), (residuals, shown), left_mm),
         off_times: times::off(test, campaign),
         wrong_settings: corrected.as_ref().map_or_else(Vec::new, |now| now.wrong.clone()),
         left_out: campaign.left_out.iter().map(|(run, error)| LeftOut::of(run, error)).collect(),
         extended: None,
     };
+    let long_run_mm2 = noise.long_run_mm2;
+    drop(beside);
+    if let Some(Extended { campaign, residuals, chosen }) = &mut extended {
+        costs::count(campaign, residuals, &chosen.fitted, long_run_mm2);
+    }
+    let moved = extended.as_ref().map(|now| moved::moved(campaign, &now.campaign));
+    let (test, machine) = (test.clone(), machine.clone());
     let extended = extended.map(|now| now.campaign);
-    Ok(Diagnosis { extended: extended.or(corrected.map(|now| now.campaign)), ..diagnosis })
+    let extended = extended.or(corrected.map(|now| now.campaign));
+    let extended = extended.map(|campaign| ExtendedModel { test, machine, campaign });
+    Ok(Diagnosis { extended, moved: moved.unwrap_or_default(), ..diagnosis })
+}
+
+/// The extended model, if anything was found that runs which took no part are not worse with, and the gain.
+fn confirmed(
+    test: &Test,
+    machine: &Machine,
+    campaign: &Campaign,
+    searched: &Residuals,
+) -> Result<(Option<Extended>, Gains)> {
+    let mut chosen = run::chosen(searched, campaign);
+    loop {
+        let extended = match chosen {
+            Some(chosen) => extend::extend(test, machine, campaign, chosen)?,
+            None => None,
+        };
+        let (residuals, now) = match &extended {
+            Some(now) => (&now.residuals, Some(&now.chosen)),
+            None => (searched, None),
+        };
+        let left_mm = beside(residuals, now).left_mm;
+        let fitted = now.map(|chosen| &chosen.fitted);
+        let gains = gain::by_run(searched, &residuals.alone(), &left_mm, fitted);
+        let (Some(harmful), Some(now)) = (gains.harmful, now) else {
+            return Ok((extended, gains));
+        };
+        chosen = now.without(harmful, &searched.alone());
+    }
 }
 
 /// The residual before and after against everything, what holds most structure first.

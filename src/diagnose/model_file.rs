@@ -10,7 +10,7 @@ impl Diagnosis {
     /// Coefficients are means over the repeats. Causes are terms, whose amplitudes are estimated anew where
     /// the file is used; curves, and what all slides' following has in common, are held.
     pub fn model_file(&self, campaign: &Campaign) -> ModelFile {
-        let extended = self.extended.as_ref().unwrap_or(campaign);
+        let extended = self.extended.as_ref().map_or(campaign, |now| &now.campaign);
         let count = extended.repeats.len().max(1) as f64;
         let mut model = ModelFile { terms: extended.terms.clone(), ..ModelFile::default() };
         let first = extended.repeats.first().map_or(&[][..], |repeat| repeat.estimates.as_slice());

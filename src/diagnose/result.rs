@@ -13,7 +13,9 @@ use crate::diagnose::choose::settings::WrongSetting;
 use crate::diagnose::views::picture::Picture;
 use crate::diagnose::views::view::View;
 use crate::identify::Campaign;
+use crate::machine::Machine;
 use crate::model::Effect;
+use crate::plan::Test;
 use crate::residual::{Element, Owner, Structure};
 use crate::written::um;
 
@@ -102,9 +104,21 @@ pub struct Diagnosis {
     pub off_times: Vec<OffTime>,
     /// Runs that took no part, with the reason.
     pub left_out: Vec<LeftOut>,
-    /// The campaign identified anew, with the effects and with what is stated wrong put right; `None` where there is
-    /// neither.
-    pub extended: Option<Campaign>,
+    /// The model with the effects and with what is stated wrong put right; `None` where there is neither.
+    pub extended: Option<ExtendedModel>,
+}
+
+/// The campaign identified anew with what was found: its numbers are those of the machine.
+///
+/// What is not known of the effects is counted in what its identifications state.
+#[derive(Debug)]
+pub struct ExtendedModel {
+    /// The test, the places of its balls put right.
+    pub test: Test,
+    /// The machine, its pivots put right.
+    pub machine: Machine,
+    /// The repeats with the effects held beside the terms.
+    pub campaign: Campaign,
 }
 
 impl Diagnosis {

@@ -58,6 +58,9 @@ pub struct Answer {
     pub all: Option<f64>,
     /// What would look the same, the most first: only what makes more than a tenth of what is open.
     pub alike: Vec<Suspect>,
+    /// The part of `noise` that all repeats have in common, one number for each independent combination of the numbers
+    /// of effects: their squares add up to its square.
+    pub in_common: Vec<f64>,
 }
 
 /// Something that may look like what was asked.
@@ -93,6 +96,8 @@ pub struct Known<'a> {
     pub covariance: &'a Matrix,
     /// See [`Identification::left_open`](super::Identification::left_open).
     pub left_open: Option<&'a Matrix>,
+    /// See [`Identification::effects`](super::Identification::effects).
+    pub effects: Option<&'a Matrix>,
 }
 
 /// All that can be asked of what moved, in the order of [`Asked`].
@@ -150,7 +155,9 @@ fn answer(asked: Asked, weights: &[f64], model: &Model, of: &Known) -> Answer {
         fault.unwrap_or(Suspect::Control)
     };
     let alike = alike.iter().map(suspect).collect();
-    Answer { asked, value: dot(weights, of.values), noise, all, alike }
+    let in_common = of.effects.map(|effects| effects.transposed().times_vector(weights));
+    let in_common = in_common.unwrap_or_default();
+    Answer { asked, value: dot(weights, of.values), noise, all, alike, in_common }
 }
 
 fn add(mut to: Vec<f64>, of: &[f64], factor: f64) -> Vec<f64> {
@@ -226,11 +233,17 @@ impl<'a> Lines<'a> {
     fn turned(&self, pose: &Pose, axis: Axis, about: Axis) -> Vec<f64> {
         let count = self.model.parameters().len();
         let mut unit = vec![0.0; count];
+        let turned = |values: &[f64]| {
+            let errors = self.model.errors(values, pose, &Motion::REST, 0);
+            errors.slides[axis.index()].rotation_rad[about.index()]
+        };
+        // What is held beside the parameters turns it whatever they are.
+        let held = turned(&unit);
         let of = |k: usize| {
             unit[k] = 1.0;
-            let errors = self.model.errors(&unit, pose, &Motion::REST, 0);
+            let change = turned(&unit) - held;
             unit[k] = 0.0;
-            errors.slides[axis.index()].rotation_rad[about.index()]
+            change
         };
         (0..count).map(of).collect()
     }

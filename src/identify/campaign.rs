@@ -6,11 +6,13 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::complete::explicit_terms;
+use super::exchanged;
 use super::fit::identify;
 use super::input::{Options, RunInput};
 use super::measured::MeasuredRun;
 use super::place;
 use super::result::Identification;
+use super::slip::identify_beside_slips;
 use crate::error::{Error, Result};
 use crate::machine::{Machine, Mounting};
 use crate::model::{Form, HeldEffect, LOCAL, LocalFrame, Model};
@@ -32,6 +34,14 @@ pub struct Campaign {
     /// What was measured, also what was left out; campaigns of the same measurements share it.
     measured: Arc<Vec<MeasuredRepeat>>,
 }
+
+/// Logs that leave less than this share of the residual when they are exchanged were: another program, or the same in
+/// another place, drives other errors, and nothing but the right one halves what is left by chance.
+const EXCHANGED: f64 = 0.5;
+
+/// Where each of two runs has the errors of the other, the fit leaves about as much as readings differ from each other; a
+/// tenth of that is suspicion enough.
+const MIXED_UP: f64 = 0.1;
 
 /// The runs of one repeat, as they were measured.
 #[derive(Debug)]
@@ -81,7 +91,80 @@ impl Campaign {
             runs: runs.iter().map(|run| MeasuredRun::read(test, run)).collect(),
         };
         let measured: Vec<MeasuredRepeat> = repeats.par_iter().map(read).collect();
-        Self::of_repeats(test, machine, Arc::new(measured), failure, finished)
+        let measured = Arc::new(measured);
+        let of = Self::of_repeats(test, machine, Arc::clone(&measured), failure, finished);
+        Self::refuse_exchanged(test, machine, &measured, of)
+    }
+
+    /// What came of some measurements, unless logs of theirs stand at each other's runs: where not all can be laid over
+    /// their programs, or a fit does not explain what was read.
+    fn refuse_exchanged(
+        test: &Test,
+        machine: &Machine,
+        measured: &[MeasuredRepeat],
+        of: Result<Self>,
+    ) -> Result<Self> {
+        let fits = |repeat: &Identification| repeat.rms_mm < MIXED_UP * repeat.spread_mm();
+        let mislaid = match &of {
+            Ok(campaign) => {
+                let feeds = |of: &Identification| of.runs.iter().any(exchanged::at_another_feed);
+                !campaign.left_out.is_empty() || campaign.repeats.iter().any(feeds)
+            }
+            Err(_) => true,
+        };
+        let explained = of.as_ref().is_ok_and(|campaign| campaign.repeats.iter().all(fits));
+        if explained && !mislaid {
+            return of;
+        }
+        let all: Vec<&MeasuredRun> = measured
+            .iter()
+            .flat_map(|repeat| &repeat.runs)
+            .filter_map(|run| run.as_ref().ok())
+            .collect();
+        for ([k, l], both) in exchanged::pairs(&all, test, machine) {
+            let names = [all[k].name.as_str(), all[l].name.as_str()];
+            let apart = |run: &MeasuredRun| !exchanged::as_stated(run, test, machine);
+            if apart(all[k]) && apart(all[l]) {
+                let why = "each fits the other's program, and not its own";
+                return Err(exchanged::error(names, why, test));
+            }
+            let in_place = |run: &MeasuredRun| {
+                both.iter().find(|other| other.name == run.name).unwrap_or(run).clone()
+            };
+            let repeats = measured.iter().map(|repeat| {
+                let runs = repeat.runs.iter().filter_map(|run| run.as_ref().ok());
+                runs.map(in_place).collect()
+            });
+            let Ok(other) = Self::of_measured(test, machine, repeats.collect(), Failure::LeaveOut)
+            else {
+                continue;
+            };
+            let exchanged_mm = other.rms_mm();
+            let (as_listed_mm, left_out) = match &of {
+                Ok(campaign) => (campaign.rms_mm(), campaign.left_out.len()),
+                Err(_) => (f64::INFINITY, 0),
+            };
+            if other.left_out.len() <= left_out && exchanged_mm < EXCHANGED * as_listed_mm {
+                let as_listed = if as_listed_mm.is_finite() {
+                    format!("the model leaves {:.2} um rms", 1e3 * as_listed_mm)
+                } else {
+                    "no model fits them".to_owned()
+                };
+                let why = format!(
+                    "as they are listed {as_listed}, exchanged {:.2} um",
+                    1e3 * exchanged_mm
+                );
+                return Err(exchanged::error(names, &why, test));
+            }
+        }
+        of
+    }
+
+    /// What the fits leave, mm rms over all repeats.
+    fn rms_mm(&self) -> f64 {
+        let squares = |of: &Identification| of.rms_mm.powi(2) * of.used as f64;
+        let used: usize = self.repeats.iter().map(|repeat| repeat.used).sum();
+        (self.repeats.iter().map(squares).sum::<f64>() / used.max(1) as f64).sqrt()
     }
 
     /// Aligns and identifies repeats that were measured, the runs of each together.
@@ -177,7 +260,7 @@ impl Campaign {
                 let of = of.join(", ");
                 let identified = empty
                     .model_with(test, machine, &[])
-                    .and_then(|model| identify(&model, inputs, &options));
+                    .and_then(|model| identify_beside_slips(&model, inputs, &options));
                 finished();
                 (of, identified)
             })
@@ -195,6 +278,17 @@ impl Campaign {
             Some((_, error)) if repeats.is_empty() => Err(error.clone()),
             _ => Ok(Self { held: vec![Vec::new(); repeats.len()], repeats, left_out, ..empty }),
         }
+    }
+
+    /// What speaks against the fits, none of it twice.
+    pub fn cautions(&self) -> Vec<&str> {
+        let mut told: Vec<&str> = Vec::new();
+        for caution in self.repeats.iter().flat_map(|repeat| &repeat.cautions) {
+            if !told.contains(&caution.as_str()) {
+                told.push(caution);
+            }
+        }
+        told
     }
 
     /// Whether a coefficient of this name is estimated, by itself or in what the machine does where it was measured.
@@ -223,7 +317,8 @@ impl Campaign {
         let mut terms = place::terms(&self.terms, self.frame.as_ref(), machine, &names)?;
         let curves = test.estimation().curves.iter().map(|(curve, values)| HeldEffect {
             form: Form::Empirical(curve.clone()),
-            amplitudes: vec![values.clone(); test.mountings().len()],
+            amplitudes: values.clone(),
+            run: None,
         });
         for held in curves.chain(held.iter().cloned()) {
             terms.push(Box::new(held));

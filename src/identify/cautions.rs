@@ -3,7 +3,8 @@
 use super::input::Options;
 use super::record::Record;
 use super::result::IdentifiedRun;
-use crate::align::Alignment;
+use crate::align::{Alignment, Slip};
+use crate::machine::{Axis, Machine};
 use crate::solve::Loss;
 use crate::solve::{self, NoiseModel};
 
@@ -16,12 +17,15 @@ const REACH_S: f64 = 0.5;
 const PATTERN: f64 = 5.0;
 /// ... and worth a word when they are larger than this, mm.
 const UNEXPLAINED_MM: f64 = 1e-3;
+/// A program may touch the end of the travel, and files are rounded, mm.
+const BESIDE_MM: f64 = 1.0;
 /// In units of the robust scale.
 const FAR_OFF: f64 = 10.0;
 
 /// Sentences, each with what was found and what may have caused it; none where nothing was.
 pub(super) fn cautions(
     runs: &[IdentifiedRun],
+    machine: &Machine,
     rms_mm: f64,
     noise: &NoiseModel,
     options: &Options,
@@ -31,6 +35,10 @@ pub(super) fn cautions(
         step(&run.name, &run.alignment).or_else(|| short(&run.name, &run.alignment))
     };
     let mut cautions: Vec<String> = runs.iter().filter_map(of_run).collect();
+    cautions.extend(runs.iter().find_map(|run| beyond_travel(run, machine)));
+    cautions.extend(runs.iter().flat_map(slipped));
+    cautions.extend(runs.iter().flat_map(cut_off));
+    cautions.extend(runs.iter().filter_map(other_runs));
     let far_off = far_off(runs);
     if far_off > 0 && options.loss == Loss::Off {
         cautions.push(format!(
@@ -44,7 +52,7 @@ pub(super) fn cautions(
             "the fit has not come to rest and leaves {:.2} um rms: a log may be of another program",
             1e3 * rms_mm
         ));
-    } else if rms_mm > UNEXPLAINED_MM && rms_mm > PATTERN * chance_mm {
+    } else if !explains(rms_mm, noise, options) {
         cautions.push(format!(
             "the model leaves {:.2} um rms, which is {:.0} times what one reading differs from the next by chance: a log may be of another program, or the machine does what no chosen term describes",
             1e3 * rms_mm,
@@ -52,6 +60,11 @@ pub(super) fn cautions(
         ));
     }
     cautions
+}
+
+/// Whether a fit leaves little more than chance.
+fn explains(rms_mm: f64, noise: &NoiseModel, options: &Options) -> bool {
+    rms_mm <= UNEXPLAINED_MM || rms_mm <= PATTERN * noise.innovation_sigma().min(options.noise_mm)
 }
 
 fn step(run: &str, alignment: &Alignment) -> Option<String> {
@@ -79,6 +92,86 @@ fn short(run: &str, alignment: &Alignment) -> Option<String> {
         format!(
             "{run}: between `{}` and `{}`, {:.1} s are missing from the log",
             before.name, alignment.sections[after].name, -stood_s
+        )
+    })
+}
+
+/// A place outside of the travel: the program ran, so a file has it wrong.
+fn beyond_travel(run: &IdentifiedRun, machine: &Machine) -> Option<String> {
+    let range_mm = |axis: Axis| {
+        let at = run.records.iter().map(|r| r.sample.pose.position_mm[axis.index()]);
+        at.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], h| [low.min(h), high.max(h)])
+    };
+    let inside = |[low, high]: [f64; 2], axis: Axis| {
+        let [lowest, highest] = machine.slide(axis).travel_mm;
+        low >= lowest - BESIDE_MM && high <= highest + BESIDE_MM
+    };
+    let outside: Vec<Axis> =
+        Axis::ALL.into_iter().filter(|&axis| !inside(range_mm(axis), axis)).collect();
+    let (&axis, file) = (outside.first()?, machine.file().display());
+    let ([low, high], [lowest, highest]) = (range_mm(axis), machine.slide(axis).travel_mm);
+    let at = if high - low < BESIDE_MM {
+        format!("has {axis} at {low:.1} mm")
+    } else {
+        format!("takes {axis} from {low:.1} to {high:.1} mm")
+    };
+    let turned = outside.iter().all(|&axis| inside([-range_mm(axis)[1], -range_mm(axis)[0]], axis));
+    let advice = if turned {
+        let mut at_mm = *run.alignment.coincidence_mm();
+        let travels = outside.iter().map(|&axis| {
+            at_mm[axis.index()] *= -1.0;
+            let [lowest, highest] = machine.slide(axis).travel_mm;
+            format!("`travel_mm = [{:?}, {:?}]` for {axis}", -highest + 0.0, -lowest + 0.0)
+        });
+        let travels = travels.collect::<Vec<_>>().join(" and ");
+        format!(
+            "one of the two has its zero the other way: write {travels} in {file}, or `coincidence_mm = [{:?}, {:?}, {:?}]` in the test file",
+            at_mm.x, at_mm.y, at_mm.z
+        )
+    } else {
+        format!("`travel_mm` in {file} or `coincidence_mm` in the test file is wrong")
+    };
+    Some(format!(
+        "the program {at} in machine coordinates, and the travel of {axis} is {lowest:.1} to {highest:.1} mm: {advice}"
+    ))
+}
+
+/// Steps that were taken out.
+fn slipped(run: &IdentifiedRun) -> Vec<String> {
+    let told = |slip: &Slip| {
+        format!(
+            "{}: at {:.2} s of the log (line {}) the readings step by {:+.2} um and stay there, in every direction of the bar: it slipped in its clamp, or was touched. The step was taken out of all readings after it; fasten the bar and repeat the run",
+            run.name,
+            slip.log_s,
+            slip.line,
+            1e3 * slip.step_mm
+        )
+    };
+    run.alignment.slips.iter().map(told).collect()
+}
+
+/// Readings that stand at one value and go no further.
+fn cut_off(run: &IdentifiedRun) -> Vec<String> {
+    let told = |(at_mm, count): (f64, usize)| {
+        format!(
+            "{}: {count} readings on arcs are exactly {:.1} um, and none lies beyond: they were cut off there and take no part; what the machine does there is not measured. Look for a limit of the bar, its amplifier or the program that wrote the log",
+            run.name,
+            1e3 * at_mm
+        )
+    };
+    run.alignment.cut_off().into_iter().map(told).collect()
+}
+
+/// Engagements that the program does not make.
+fn other_runs(run: &IdentifiedRun) -> Option<String> {
+    let times = run.alignment.other_runs_s.iter().take(3);
+    let times: Vec<String> = times.map(|[from, to]| format!("{from:.1} to {to:.1} s")).collect();
+    let of = run.alignment.marks.first()?.log_s;
+    (!times.is_empty()).then(|| {
+        format!(
+            "{}: the log holds another run as well: the bar is also engaged from {}, by its clock. Only the run that begins at {of:.1} s was taken; cut the log in two to use the other",
+            run.name,
+            times.join(", ")
         )
     })
 }

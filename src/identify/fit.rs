@@ -4,7 +4,6 @@ use super::columns::Columns;
 use super::input::{Options, RunInput};
 use super::result::Identification;
 use super::state::{State, apart};
-use super::strides::Strides;
 use super::{timing, words};
 use crate::align::{Part, TimeMap};
 use crate::error::{Error, Kind, Result};
@@ -12,14 +11,6 @@ use crate::model::{Model, ParameterId};
 use crate::solve::Loss;
 use crate::solve::{self, Matrix, Solution, Spectrum, Triangle};
 
-/// Most Gauss-Newton steps; four are usual.
-const MOST_STEPS: usize = 25;
-/// A step is the last that moves all parameters together by less than this part of a standard deviation: the root of
-/// what it lowers the sum of squares by, in units of the noise.
-const NEGLIGIBLE: f64 = 0.1;
-/// A fit whose last step still changes the computed readings by less than this part of what is left of them is a result
-/// all the same: vertices of a path that is driven otherwise than planned keep its times from settling for good.
-const NEARLY: f64 = 0.05;
 /// A doubtful leg is tried at so many other places.
 const MOST_PLACES: usize = 4;
 /// And stays there if the residual falls below this share of what it was.
@@ -28,8 +19,6 @@ const BETTER: f64 = 0.999;
 const FARTHEST: f64 = 0.05;
 /// Slides that follow later than this do not hold a circle, s.
 const LONGEST_S: f64 = 0.1;
-/// During the first steps the samples that take part are chosen anew.
-const CHOOSING_STEPS: usize = 3;
 
 /// Identifies the parameters of a model from runs of one machine in one state.
 ///
@@ -112,6 +101,8 @@ impl<'a> Fit<'a> {
         options: &'a Options,
         state: State,
     ) -> Self {
+        let numbered = runs.into_iter().enumerate().map(|(number, run)| run.numbered(number));
+        let runs: Vec<RunInput> = numbered.collect();
         let columns = Columns::new(model.parameters().len(), &runs);
         Self { model, options, columns, runs, state }
     }
@@ -160,8 +151,9 @@ impl<'a> Fit<'a> {
                     let run = &mut self.runs[index];
                     run.alignment.time_map.offsets_s[doubt.leg] -= shift_s;
                     run.place();
+                    let better_mm = BETTER * kept.sigma_mm;
                     match self.iterate(timing::Detail::Full) {
-                        Ok(outcome) if self.state.sigma_mm < BETTER * kept.sigma_mm => {
+                        Ok(outcome) if self.state.sigma_mm < better_mm => {
                             best = outcome;
                             break;
                         }
@@ -176,61 +168,6 @@ impl<'a> Fit<'a> {
             }
         }
         best
-    }
-
-    /// Gauss-Newton until the change is negligible.
-    fn iterate(&mut self, detail: timing::Detail) -> Result<Outcome> {
-        let mut strides = Strides::new(self.columns.coefficients, self.columns.total);
-        for steps in 1..=MOST_STEPS {
-            // Chosen while the times still move, then held: a sample that comes and goes at a reversal
-            // would keep the fit from settling.
-            if steps <= CHOOSING_STEPS {
-                self.state.apart = apart(&self.runs, detail.guard_s());
-            }
-            let triangle = self.factor(detail)?;
-            let solution = self.spectrum(&triangle)?.solve(self.truncation(triangle.rows()));
-            self.refuse_deficient(&solution)?;
-            // While the times still move, nobody knows.
-            if detail == timing::Detail::Full
-                && steps > CHOOSING_STEPS
-                && self.stop_at_once(solution.x())
-            {
-                continue;
-            }
-            let step = strides.taken(solution.x());
-            let change = triangle.r().times_vector(&step);
-            let change = change.iter().map(|c| c * c).sum::<f64>().sqrt();
-            self.apply(&step, &solution);
-            let rows = triangle.rows() as f64;
-            // Rows are in units of the assumed noise: their rms corrects it.
-            let scatter = self.state.correlated * solution.residual_norm() / rows.sqrt();
-            let settled =
-                steps > CHOOSING_STEPS || self.state.apart == apart(&self.runs, detail.guard_s());
-            if settled && change < NEGLIGIBLE * scatter.max(1e-12) {
-                self.state.sigma_mm *= scatter;
-                self.state.settled = true;
-                return Ok(Outcome { solution, steps });
-            }
-            // The smooth fit only has to come near, and a fit that still moves by a little of the noise is
-            // a result.
-            let near = detail == timing::Detail::Smooth || change < NEARLY * scatter * rows.sqrt();
-            if steps == MOST_STEPS && near {
-                self.state.sigma_mm *= scatter;
-                self.state.settled = detail == timing::Detail::Smooth;
-                return Ok(Outcome { solution, steps });
-            }
-            if steps <= 2 {
-                self.state.sigma_mm =
-                    (self.state.sigma_mm * scatter).max(1e-3 * self.options.noise_mm);
-            }
-        }
-        Err(Error::new(
-            Kind::Undetermined,
-            format!("the fit does not settle within {MOST_STEPS} steps"),
-        )
-        .hint(
-            "the log may be of another program, the feed override may not have stood where the test file says, or there are too many terms for these arcs",
-        ))
     }
 
     /// Fits again with readings that count for as much as they do although neighbours err alike, and with what came
@@ -267,20 +204,6 @@ impl<'a> Fit<'a> {
         }
     }
 
-    /// Holds the slides of runs that would follow ahead of time, if they do not follow late already; whether any were
-    /// not held before.
-    fn stop_at_once(&mut self, step: &[f64]) -> bool {
-        let mut newly = false;
-        for (index, run) in self.runs.iter().enumerate() {
-            let ahead = step[self.columns.following(index)] < 0.0;
-            if ahead && run.alignment.time_map.following_s <= 0.0 && !self.state.at_once[index] {
-                self.state.at_once[index] = true;
-                newly = true;
-            }
-        }
-        newly
-    }
-
     pub(super) fn spectrum(&self, triangle: &Triangle) -> Result<Spectrum> {
         Spectrum::with_references(triangle, &self.references(triangle))
     }
@@ -313,7 +236,7 @@ impl<'a> Fit<'a> {
     }
 
     /// Takes a step in coefficients and time maps.
-    fn apply(&mut self, step: &[f64], solution: &Solution) {
+    pub(super) fn apply(&mut self, step: &[f64], solution: &Solution) {
         let covariance = solution.covariance_unscaled();
         for (value, change) in self.state.values.iter_mut().zip(step) {
             *value += change;
@@ -343,7 +266,7 @@ impl<'a> Fit<'a> {
         }
     }
 
-    fn refuse_deficient(&self, solution: &Solution) -> Result<()> {
+    pub(super) fn refuse_deficient(&self, solution: &Solution) -> Result<()> {
         let missing = self.columns.total - solution.rank();
         if missing == 0 || self.options.minimum_norm || self.state.knows() {
             return Ok(());

@@ -36,6 +36,7 @@ pub fn foresee(
     let covariance = Matrix::from_fn(count, count, |i, k| all[(i, k)]);
     let left_open = fit.known(&solution).left_open;
     let values = vec![0.0; count];
-    let known = Known { values: &values, covariance: &covariance, left_open: left_open.as_ref() };
+    let left_open = left_open.as_ref();
+    let known = Known { values: &values, covariance: &covariance, left_open, effects: None };
     Ok(answers(&model, &frame, &known))
 }

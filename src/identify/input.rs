@@ -40,6 +40,8 @@ pub struct RunInput {
     pub nominal_mm: f64,
     /// The aligned log.
     pub alignment: Alignment,
+    /// Its number among the runs of its repeat.
+    number: usize,
     /// Its samples, where the time map of the alignment lays them.
     samples: Vec<Sample>,
 }
@@ -48,7 +50,15 @@ impl RunInput {
     /// A run with its samples where its alignment lays them.
     pub fn new(name: String, mounting: usize, nominal_mm: f64, alignment: Alignment) -> Self {
         let samples = alignment.samples();
-        Self { name, mounting, nominal_mm, alignment, samples }
+        Self { name, mounting, nominal_mm, alignment, number: 0, samples }
+    }
+
+    /// The same as that of this number of its repeat.
+    #[must_use]
+    pub(super) fn numbered(mut self, number: usize) -> Self {
+        self.number = number;
+        self.samples.iter_mut().for_each(|sample| sample.motion.run = number);
+        self
     }
 
     /// Its samples, in order.
@@ -59,5 +69,6 @@ impl RunInput {
     /// Lays the samples anew, after the time map has changed.
     pub(super) fn place(&mut self) {
         self.samples = self.alignment.samples();
+        self.samples.iter_mut().for_each(|sample| sample.motion.run = self.number);
     }
 }

@@ -45,8 +45,11 @@ pub struct Linearised {
     pub samples: Vec<LinearSample>,
     /// `Q` at the samples.
     pub basis: Basis,
-    /// `F`: parameters of the model (mm, rad) per unit of `Q^T c`, `c` in mm.
+    /// `F`: faults per unit of `Q^T c`, `c` in mm: first the parameters of the model (mm, rad), then how the control may
+    /// have driven, in the order of [`Identification::left_open`].
     pub factor: Matrix,
+    /// What is plausible of each of them, a standard deviation; infinite where the readings alone decide.
+    pub deviations: Vec<f64>,
 }
 
 impl LinearSample {
@@ -146,8 +149,10 @@ impl Identification {
             }
         }
         let sigma_mm = fit.state.counts_mm();
-        let factor =
-            Matrix::from_fn(fit.columns.coefficients, rank, |k, i| factor[(k, i)] / sigma_mm);
-        Ok(Linearised { samples, basis: Basis::new(rank, q), factor })
+        let faults = fit.faults();
+        let row = |k: usize| factor.row(faults[k].0);
+        let factor = Matrix::from_fn(faults.len(), rank, |k, i| row(k)[i] / sigma_mm);
+        let deviations = faults.iter().map(|(_, sigma)| *sigma).collect();
+        Ok(Linearised { samples, basis: Basis::new(rank, q), factor, deviations })
     }
 }

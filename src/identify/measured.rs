@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::input::RunInput;
 use crate::align;
-use crate::error::Result;
+use crate::error::{Error, Kind, Place, Result};
 use crate::log::{self, Log};
 use crate::machine::Machine;
 use crate::nc;
@@ -56,12 +56,22 @@ impl MeasuredRun {
         let mounting = &test.mountings()[self.mounting];
         reading.work_offsets_mm.insert(mounting.work_offset, mounting.mounting.coincidence_mm);
         let bar = test.bar_of(self.mounting);
-        let alignment = align::align(&align::Run {
+        let run = align::Run {
             log: &self.log,
             program: &self.source.program(&reading)?,
             rig: align::Rig { machine, mounting: &mounting.mounting, bar: &bar },
             feed_override: self.feed_override,
-        })?;
+        };
+        if let Some(misread) = align::misread(&run, &test.log_format_of(self.mounting)) {
+            return Err(Error::new(Kind::Mismatch, misread.what)
+                .at(Place::file(self.log.file()))
+                .hint(format!(
+                    "write `{}` under `[log]` in {}",
+                    misread.lines,
+                    test.file().display()
+                )));
+        }
+        let alignment = align::align(&run)?;
         Ok(RunInput::new(self.name.clone(), self.mounting, bar.length_mm, alignment))
     }
 }

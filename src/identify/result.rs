@@ -64,6 +64,9 @@ pub struct Identification {
     /// How much each estimate (row) errs where a fault (column) is one plausible standard deviation: first the
     /// parameters in their order, then how the control may have driven; `None` where nothing was taken for plausible.
     pub left_open: Option<Matrix>,
+    /// What a standard deviation of each independent combination of the numbers of effects (column) does to the
+    /// estimates (row): a part of `covariance` that all repeats have in common; `None` where there are no effects.
+    pub effects: Option<Matrix>,
     /// Rank over the coefficients, by the noise; where something was taken for plausible, how many numbers the
     /// readings decided, rounded.
     pub rank: usize,
@@ -95,12 +98,25 @@ impl Identification {
 
     /// What is known of the parameters, with the values as they were estimated.
     pub fn known<'a>(&'a self, values: &'a [f64]) -> Known<'a> {
-        Known { values, covariance: &self.covariance, left_open: self.left_open.as_ref() }
+        Known {
+            values,
+            covariance: &self.covariance,
+            left_open: self.left_open.as_ref(),
+            effects: self.effects.as_ref(),
+        }
     }
 
     /// The estimated values in the order of the model.
     pub fn values(&self) -> Vec<f64> {
         self.estimates.iter().map(|estimate| estimate.value).collect()
+    }
+
+    /// How far the readings that were used are from their mean, mm rms.
+    pub fn spread_mm(&self) -> f64 {
+        let read = || self.runs.iter().flat_map(IdentifiedRun::used).map(|r| r.sample.deviation_mm);
+        let count = self.used.max(1) as f64;
+        let mean_mm = read().sum::<f64>() / count;
+        (read().map(|mm| (mm - mean_mm).powi(2)).sum::<f64>() / count).sqrt()
     }
 
     /// The estimate of a name.

@@ -67,6 +67,8 @@ pub(super) struct View {
 pub(super) const PACE: f64 = 1e-3;
 /// Within which time constant the slides plausibly follow, s.
 pub(super) const FOLLOWING_S: f64 = 0.02;
+/// So far a step moves that time constant at the most, s.
+pub(super) const STRIDE_S: f64 = 0.005;
 /// What a control cuts off the corners of chords, or rounds them out by, is a part of how far chords are off their arc:
 /// their mean lies two thirds of that inside, and a path that is driven smoothly anywhere about it.
 pub(super) const CUT: f64 = 1.0 / 3.0;
@@ -99,19 +101,30 @@ pub(super) fn view(
     };
     // Where facets do not count, long enough to see over them; where they do, short against one, but not
     // so short that a vertex between this step's time and the next turns the slope at once.
+    // The slope of a mean over a window is that from one end of it to the other.
+    let node_s = run.alignment.node_s();
     let step_s = match detail {
+        Detail::Full if node_s > 0.0 => 0.5 * run.alignment.sample_period_s,
         Detail::Full => 2e-3,
         Detail::Smooth => 0.2,
     };
     let beside = |sign: f64| {
         let then_s = sample.program_s + sign * step_s;
-        let position_mm = run.alignment.followed_mm(then_s, map.following_s) - late_mm;
+        let position_mm =
+            run.alignment.followed_mm(then_s, sample.block, map.following_s) - late_mm;
         predicted(&Pose { position_mm, sense: sample.pose.sense })
     };
     let ball_mm = sample.pose.position_mm - coincidence_mm;
     let along = ball_mm.try_normalize(f64::EPSILON).unwrap_or_else(Vector3::zeros);
-    let following =
-        |following_s: f64| along.dot(&run.alignment.followed_mm(sample.program_s, following_s));
+    let followed = |aside_s: f64, following_s: f64| {
+        along.dot(&run.alignment.followed_mm(sample.program_s + aside_s, sample.block, following_s))
+    };
+    let following = |following_s: f64| match node_s {
+        0.0 => followed(0.0, following_s),
+        node_s => {
+            [-node_s, 0.0, node_s].map(|s| followed(s, following_s)).iter().sum::<f64>() / 3.0
+        }
+    };
     // The sphere alone knows nothing of corners, and of radii little.
     let following_mm_s = match detail {
         Detail::Full => {

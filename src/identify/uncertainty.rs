@@ -74,13 +74,15 @@ impl Fit<'_> {
         let options = self.options;
         let correlated = self.state.correlated;
         let settled = self.state.settled;
+        let machine = self.model.machine();
         let runs = self.identified(&left_mm, &noise);
-        let cautions = cautions::cautions(&runs, rms_mm, &noise, options, settled);
+        let cautions = cautions::cautions(&runs, machine, rms_mm, &noise, options, settled);
         Ok(Identification {
             estimates,
             correlation: Matrix::from_fn(count, count, |i, k| correlation[(i, k)]),
             covariance: Matrix::from_fn(count, count, |i, k| covariance[(i, k)]),
             left_open,
+            effects: None,
             rank: known.rank,
             correlated,
             condition: spectrum.condition_of(outcome.solution.rank()),
@@ -140,15 +142,21 @@ impl Fit<'_> {
         let observed: Vec<f64> = (0..count)
             .map(|k| (1.0 - inverse[(k, k)] / sigma(k).powi(2)).clamp(0.0, 1.0))
             .collect();
-        // After the faults of the machine, how its control may drive.
-        let driven = self.driven().into_iter().map(|(column, _, sigma)| (column, sigma));
-        let faults: Vec<(usize, f64)> = (0..count).map(|k| (k, sigma(k))).chain(driven).collect();
+        let faults = self.faults();
         let left_open = Matrix::from_fn(count, faults.len(), |i, k| {
             let (column, sigma) = faults[k];
             inverse[(i, column)] / sigma
         });
         let rank = observed.iter().sum::<f64>().round() as usize;
         Decided { observed, rank, left_open: Some(left_open) }
+    }
+
+    /// What may be wrong, by its column and what is plausible of it: first the machine, then how its control drives.
+    pub(super) fn faults(&self) -> Vec<(usize, f64)> {
+        let plausible = self.state.plausible.iter().enumerate();
+        let of_machine = plausible.map(|(k, sigma)| (k, sigma.unwrap_or(f64::INFINITY)));
+        let driven = self.driven().into_iter().map(|(column, _, sigma)| (column, sigma));
+        of_machine.chain(driven).collect()
     }
 
     /// The rows `W J`, filtered by the noise, for the sandwich.

@@ -8,7 +8,7 @@ use super::text::{Line, Numbers, quote, split};
 use crate::error::{Error, Place, Result};
 use crate::input;
 use crate::plan::log_format::{
-    Delimiter, Format, ReadingColumn, ReadingKind, TimeColumn, TimeUnit,
+    Delimiter, Format, LengthUnit, ReadingColumn, ReadingKind, TimeColumn, TimeUnit,
 };
 
 /// No telescoping ball-bar reaches further than a few mm; beyond this the unit is wrong.
@@ -234,7 +234,7 @@ impl<'a> Table<'a> {
             return Ok(None);
         }
         let fail = |what| line.error(self.file, field, what);
-        let ReadingColumn { unit, kind, .. } = self.column;
+        let ReadingColumn { unit, kind, inverted, .. } = self.column;
         let value_mm = numbers
             .parse(written, |value| unit.to_mm(value))
             .map_err(|fault| fail(fault.what).hint(fault.hint.unwrap_or(PLAIN_READING)))?;
@@ -245,17 +245,16 @@ impl<'a> Table<'a> {
             }
         };
         if deviation_mm.abs() <= LARGEST_DEVIATION_MM {
-            return Ok(Some(deviation_mm));
+            return Ok(Some(if *inverted { -deviation_mm } else { deviation_mm }));
         }
+        let hint =
+            other_reading(*unit, self.column.kind, numbers.parse(written, |value| value).ok());
         let unit = unit.name();
         Err(fail(format!(
             "reading {written} {unit} is a deviation of {} mm, which no ball-bar reaches",
             short(deviation_mm)
         ))
-        .hint(format!(
-            "the unit or the kind is probably wrong: `reading_unit` is \"{unit}\" and `reading` \
-             is {kind}"
-        )))
+        .hint(format!("`reading_unit` is \"{unit}\" and `reading` is {kind}: {hint}")))
     }
 
     /// Whether a line with nothing to see on it is a sample out of range.
@@ -283,6 +282,35 @@ impl<'a> Table<'a> {
             _ => error.hint("every row must have the fields of the header"),
         }
     }
+}
+
+/// What to write where a reading in this unit and of this kind is more than any bar can read.
+fn other_reading(stated: LengthUnit, kind: ReadingKind, value: Option<f64>) -> String {
+    let reached = |unit: LengthUnit, nominal_mm: f64| {
+        value.is_some_and(|value| (unit.to_mm(value) - nominal_mm).abs() <= LARGEST_DEVIATION_MM)
+    };
+    let nominal_mm = match kind {
+        ReadingKind::Deviation => 0.0,
+        ReadingKind::Length { nominal_mm } => nominal_mm,
+    };
+    let mut lines = Vec::new();
+    if matches!(kind, ReadingKind::Length { .. }) && reached(stated, 0.0) {
+        lines.push("`reading = \"deviation\"`".to_owned());
+    }
+    // Of the units that make it a reading, the one that changes it least.
+    let possible = LengthUnit::ALL.into_iter().filter(|unit| reached(*unit, nominal_mm));
+    if let Some(unit) = possible.max_by(|a, b| a.to_mm(1.0).total_cmp(&b.to_mm(1.0))) {
+        lines.push(format!("`reading_unit = \"{}\"`", unit.name()));
+    }
+    // Bars are 50 to 1500 mm long, extensions included.
+    let long = |value: f64| (50.0..=1500.0).contains(&stated.to_mm(value));
+    if kind == ReadingKind::Deviation && value.is_some_and(long) {
+        lines.push("`reading = \"length\"`".to_owned());
+    }
+    if lines.is_empty() {
+        return "choose another column: `reading_column`".to_owned();
+    }
+    format!("write {} under `[log]` in the test file", lines.join(", or "))
 }
 
 fn same_name(a: &str, b: &str) -> bool {

@@ -35,6 +35,29 @@ impl Log {
         Self { file: file.to_path_buf(), readings, period_s }
     }
 
+    /// The same log as it would be with its times and its readings in other units.
+    pub(crate) fn scaled(&self, time: f64, reading: f64) -> Self {
+        let scaled = |of: &Reading| Reading {
+            time_s: time * of.time_s,
+            deviation_mm: of.deviation_mm.map(|mm| reading * mm),
+            ..*of
+        };
+        Self {
+            file: self.file.clone(),
+            readings: self.readings.iter().map(scaled).collect(),
+            period_s: time * self.period_s,
+        }
+    }
+
+    /// The same log with some of its readings out of range.
+    pub(crate) fn without(&self, out: impl Fn(&Reading) -> bool) -> Self {
+        let readings = self.readings.iter().map(|reading| {
+            let deviation_mm = reading.deviation_mm.filter(|_| !out(reading));
+            Reading { deviation_mm, ..*reading }
+        });
+        Self { readings: readings.collect(), ..self.clone() }
+    }
+
     /// The file it was read from, as the user named it.
     pub fn file(&self) -> &Path {
         &self.file

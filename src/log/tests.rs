@@ -120,6 +120,7 @@ fn units() {
 fn lengths_lose_the_nominal_length() {
     let format = Format {
         reading: ReadingColumn {
+            inverted: false,
             name: "length_mm".to_owned(),
             unit: LengthUnit::Millimetre,
             kind: ReadingKind::Length { nominal_mm: 150.0 },

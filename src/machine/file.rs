@@ -191,6 +191,20 @@ impl Machine {
         self.slides[axis.index()].pivot = pivot;
         self
     }
+
+    /// The same machine with all accelerations multiplied and, where it is given, another time in which they build
+    /// up, s.
+    #[must_use]
+    pub fn with_accelerations(mut self, factor: f64, change_s: Option<f64>) -> Self {
+        for slide in &mut self.slides {
+            slide.acceleration_mm_s2 *= factor;
+            slide.feed_acceleration_mm_s2 *= factor;
+        }
+        self.controller.path_acceleration_mm_s2 *= factor;
+        self.controller.acceleration_change_s =
+            change_s.unwrap_or(self.controller.acceleration_change_s);
+        self
+    }
 }
 
 #[derive(Deserialize)]

@@ -3,11 +3,13 @@
 use nalgebra::Vector3;
 
 use super::jacobian::Situation;
+use super::law::Law;
 use super::motion::Motion;
+use super::seat::Seat;
 use super::shape::Shape;
 use super::term::{Parameter, Term};
 use super::variable::Empirical;
-use crate::machine::{ChainErrors, Pose};
+use crate::machine::{Axis, ChainErrors, Pose};
 
 /// What an effect does to the length: by a cause or as a curve.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,8 +35,29 @@ impl Form {
 pub struct HeldEffect {
     /// What it does.
     pub form: Form,
-    /// Its amplitudes in each mounting, mm and rad; none where it is not there.
-    pub amplitudes: Vec<Vec<f64>>,
+    /// Its amplitudes, mm and rad.
+    pub amplitudes: Vec<f64>,
+    /// The run, of those that are looked at together, that alone has it; `None` where all do.
+    pub run: Option<usize>,
+}
+
+impl HeldEffect {
+    /// Whether a run of those that are looked at together has it.
+    pub fn is_in(&self, run: usize) -> bool {
+        self.run.is_none_or(|one| one == run)
+    }
+
+    /// How much later a slide follows with it, s, or all slides with one in common; `None` of another effect.
+    pub fn follows_later_s(&self, slide: Option<Axis>) -> Option<f64> {
+        let Form::Cause(shape) = &self.form else { return None };
+        match (shape.law(), shape.seat) {
+            (Law::Corner(_), _) if slide.is_none() => shape.inner,
+            (Law::Curve(..), Seat::Slide(of)) if shape.cause.id == "servo" && slide == Some(of) => {
+                self.amplitudes.first().copied()
+            }
+            _ => None,
+        }
+    }
 }
 
 impl Term for HeldEffect {
@@ -60,9 +83,8 @@ impl Term for HeldEffect {
         mounting: usize,
         errors: &mut ChainErrors,
     ) {
-        let amplitudes = &self.amplitudes[mounting];
-        if !amplitudes.is_empty() {
-            self.form.term().bend(amplitudes, at, motion, mounting, errors);
+        if self.is_in(motion.run) {
+            self.form.term().bend(&self.amplitudes, at, motion, mounting, errors);
         }
     }
 
@@ -74,10 +96,9 @@ impl Term for HeldEffect {
         mounting: usize,
         direction: &Vector3<f64>,
     ) -> f64 {
-        let amplitudes = &self.amplitudes[mounting];
-        if amplitudes.is_empty() {
+        if !self.is_in(motion.run) {
             return 0.0;
         }
-        self.form.term().lengthen(amplitudes, at, motion, mounting, direction)
+        self.form.term().lengthen(&self.amplitudes, at, motion, mounting, direction)
     }
 }

@@ -33,6 +33,8 @@ pub struct Motion {
     pub reversals: [Option<Reversal>; 3],
     /// The end of the present block.
     pub corner: Corner,
+    /// Which of the runs that are looked at together: an effect may be one run's alone.
+    pub run: usize,
 }
 
 impl Motion {
@@ -43,5 +45,6 @@ impl Motion {
         program_s: 0.0,
         reversals: [None; 3],
         corner: Corner { ahead_s: f64::INFINITY, jump_mm_s: Vector3::new(0.0, 0.0, 0.0) },
+        run: 0,
     };
 }

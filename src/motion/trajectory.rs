@@ -40,6 +40,8 @@ pub struct Block {
     /// Where it begins, machine coordinates, mm.
     pub start_mm: Vector3<f64>,
     motion: Option<(Move, Profile)>,
+    /// Length of its path, mm.
+    length_mm: f64,
     sense: Vector3<f64>,
 }
 
@@ -149,6 +151,18 @@ impl Trajectory {
         }
     }
 
+    /// Machine coordinates at a time near that of a block, by its index, mm: much sooner found than by [`at`](Self::at).
+    pub fn position_near_mm(&self, time_s: f64, near: usize) -> Vector3<f64> {
+        let mut index = near.min(self.blocks.len().saturating_sub(1));
+        while index > 0 && self.blocks[index].start_s > time_s {
+            index -= 1;
+        }
+        while self.blocks.get(index + 1).is_some_and(|next| next.start_s <= time_s) {
+            index += 1;
+        }
+        self.blocks.get(index).map_or_else(Vector3::zeros, |block| block.position_mm(time_s))
+    }
+
     /// Time spent at feed until a time, s: `d t / d ln(override)` of everything that happens then.
     pub fn feed_elapsed_s(&self, time_s: f64) -> f64 {
         self.blocks.get(self.block_at(time_s)).map_or(0.0, |block| {
@@ -246,6 +260,11 @@ impl Block {
         self.motion.as_ref().is_none_or(|(_, profile)| profile.at(f64::INFINITY).1 < 1e-9)
     }
 
+    fn position_mm(&self, time_s: f64) -> Vector3<f64> {
+        let Some((motion, profile)) = &self.motion else { return self.start_mm };
+        motion.position_mm(profile.at(time_s - self.start_s).0 / self.length_mm)
+    }
+
     fn at(&self, time_s: f64, index: usize) -> State {
         let still = State {
             position_mm: self.start_mm,
@@ -255,7 +274,7 @@ impl Block {
         };
         let Some((motion, profile)) = &self.motion else { return still };
         let (distance_mm, speed_mm_s) = profile.at(time_s - self.start_s);
-        let (position_mm, tangent) = motion.at(distance_mm / motion.length_mm());
+        let (position_mm, tangent) = motion.at(distance_mm / self.length_mm);
         State {
             position_mm,
             velocity_mm_s: tangent * speed_mm_s,
@@ -292,6 +311,7 @@ impl Builder<'_> {
             feed_before_s: self.feed_s,
             start_mm: self.at_mm,
             motion: None,
+            length_mm: 0.0,
             sense: self.sense,
         });
         self.now_s += duration_s;
@@ -345,7 +365,9 @@ impl Builder<'_> {
                 }
             }
         }
-        for ((line, label, motion), profile) in stretch.drain(..).zip(profiles) {
+        for (((line, label, motion), profile), length_mm) in
+            stretch.drain(..).zip(profiles).zip(lengths)
+        {
             let duration_s = profile.duration_s();
             self.blocks.push(Block {
                 kind: if motion.rapid { BlockKind::Rapid } else { BlockKind::Feed },
@@ -356,6 +378,7 @@ impl Builder<'_> {
                 feed_before_s: self.feed_s,
                 start_mm: motion.start_mm,
                 motion: Some((motion, profile)),
+                length_mm,
                 sense: self.sense,
             });
             self.sense = turned(self.sense, &motion.at(1.0).1);

@@ -77,6 +77,14 @@ impl Move {
         }
     }
 
+    /// Position after a share of the path, 0 to 1, mm.
+    pub fn position_mm(&self, share: f64) -> Vector3<f64> {
+        match self.path {
+            Path::Line => self.start_mm + (self.end_mm - self.start_mm) * share,
+            Path::Arc { .. } => self.at(share).0,
+        }
+    }
+
     /// Shares of an arc at which its tangent is normal to an axis of its plane; none on a line.
     pub fn extreme_shares(&self) -> Vec<f64> {
         let Path::Arc { center_mm, axis, sweep_rad } = self.path else { return Vec::new() };

@@ -14,6 +14,8 @@ pub enum TimeUnit {
 }
 
 impl TimeUnit {
+    /// Every unit.
+    pub const ALL: [Self; 4] = [Self::Second, Self::Millisecond, Self::Microsecond, Self::Minute];
     /// The names that [`TimeUnit::parse`] knows.
     pub const NAMES: [&str; 4] = ["s", "ms", "us", "min"];
 
@@ -64,6 +66,8 @@ pub enum LengthUnit {
 }
 
 impl LengthUnit {
+    /// Every unit.
+    pub const ALL: [Self; 4] = [Self::Millimetre, Self::Micrometre, Self::Nanometre, Self::Inch];
     /// The names that [`LengthUnit::parse`] knows.
     pub const NAMES: [&str; 4] = ["mm", "um", "nm", "inch"];
 
@@ -137,6 +141,8 @@ pub struct ReadingColumn {
     pub unit: LengthUnit,
     /// Whether it holds deviations or lengths.
     pub kind: ReadingKind,
+    /// Whether its numbers fall where the bar grows.
+    pub inverted: bool,
 }
 
 /// What stands between two fields of a line.
@@ -163,6 +169,9 @@ impl Delimiter {
     }
 }
 
+/// The column of times unless another is named.
+pub(super) const DEFAULT_TIME: &str = "time_s";
+
 /// How to read a log.
 ///
 /// The default is the format this program writes itself: `time_s` in s, `deviation_um` in um.
@@ -180,11 +189,12 @@ pub struct Format {
 impl Default for Format {
     fn default() -> Self {
         Self {
-            time: TimeColumn::Named { name: "time_s".to_owned(), unit: TimeUnit::Second },
+            time: TimeColumn::Named { name: DEFAULT_TIME.to_owned(), unit: TimeUnit::Second },
             reading: ReadingColumn {
                 name: "deviation_um".to_owned(),
                 unit: LengthUnit::Micrometre,
                 kind: ReadingKind::Deviation,
+                inverted: false,
             },
             delimiter: None,
         }

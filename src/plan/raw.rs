@@ -6,7 +6,9 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::design_request::RawDesign;
-use super::log_format::{Format, LengthUnit, ReadingColumn, ReadingKind, TimeColumn, TimeUnit};
+use super::log_format::{
+    DEFAULT_TIME, Format, LengthUnit, ReadingColumn, ReadingKind, TimeColumn, TimeUnit,
+};
 use super::operator::RawOperator;
 use super::parts::{BallBar, Estimation, FreeArc, NamedMounting, PathPlan, Run};
 use super::raw_arc::RawArc;
@@ -91,6 +93,7 @@ pub(super) struct RawLog {
     reading_column: Option<String>,
     reading_unit: Option<Spanned<String>>,
     reading: Option<RawReading>,
+    reading_sign: Option<Spanned<i64>>,
 }
 
 #[derive(Deserialize, Clone, Copy, PartialEq, Eq)]
@@ -128,13 +131,35 @@ impl RawLog {
             (None, Some(rate)) => TimeColumn::Rate {
                 hz: text.within(rate, "sample_rate_hz", SLOWEST_HZ, FASTEST_HZ)?,
             },
-            (None, None) => defaults.time,
+            (None, None) => TimeColumn::Named { name: DEFAULT_TIME.to_owned(), unit: time_unit },
         };
         let kind = match self.reading {
             Some(RawReading::Length) => ReadingKind::Length { nominal_mm },
             _ => ReadingKind::Deviation,
         };
-        Ok(Format { time, reading: ReadingColumn { name, unit, kind }, delimiter: None })
+        let inverted = match &self.reading_sign {
+            None => false,
+            Some(sign) => {
+                match (sign.get_ref(), kind) {
+                    (1, _) => false,
+                    (-1, ReadingKind::Deviation) => true,
+                    (-1, ReadingKind::Length { .. }) => {
+                        return Err(Error::input("a length cannot have a sign of -1")
+                        .at(text.place(sign.span()))
+                        .hint("leave `reading_sign` out: it is for readings of kind \"deviation\""));
+                    }
+                    (other, _) => {
+                        return Err(Error::input(format!("`reading_sign` cannot be {other}"))
+                        .at(text.place(sign.span()))
+                        .hint(
+                            "write -1 where the readings fall as the bar grows, else leave it out",
+                        ));
+                    }
+                }
+            }
+        };
+        let reading = ReadingColumn { name, unit, kind, inverted };
+        Ok(Format { time, reading, delimiter: None })
     }
 }
 

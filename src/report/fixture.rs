@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
-use super::{Analysis, DiagnosisFacts};
+use super::{Analysis, Shown};
 use crate::diagnose::diagnose;
 use crate::identify::{Campaign, Failure, Identification};
 use crate::machine::Machine;
@@ -13,6 +13,15 @@ use crate::plan::Test;
 pub(super) struct Identified {
     pub(super) analysis: Analysis,
     pub(super) identifications: Vec<Identification>,
+    /// The same without what was found.
+    pub(super) before: Vec<Identification>,
+}
+
+impl Identified {
+    /// What curves are made of.
+    pub(super) fn shown(&self) -> Shown<'_> {
+        Shown { repeats: &self.identifications, before: &self.before }
+    }
 }
 
 /// The results of a set of `tests/data`, worked out once for all tests.
@@ -33,9 +42,9 @@ pub(super) fn diagnosed() -> &'static Identified {
     static CASE: LazyLock<Identified> = LazyLock::new(|| {
         let (test, machine, campaign) = campaign("case-a");
         let diagnosis = diagnose(&test, &machine, &campaign).unwrap();
-        let mut analysis = Analysis::new(&test, &machine, &campaign);
-        analysis.diagnosis = Some(DiagnosisFacts::new(&machine, &campaign.repeats, &diagnosis));
-        Identified { analysis, identifications: campaign.repeats }
+        let analysis = Analysis::diagnosed(&test, &machine, &campaign, &diagnosis);
+        let extended = diagnosis.extended.unwrap().campaign.repeats;
+        Identified { analysis, identifications: extended, before: campaign.repeats }
     });
     &CASE
 }
@@ -44,7 +53,7 @@ pub(super) fn diagnosed() -> &'static Identified {
 pub(super) fn work_out(set: &str) -> Identified {
     let (test, machine, campaign) = campaign(set);
     let analysis = Analysis::new(&test, &machine, &campaign);
-    Identified { analysis, identifications: campaign.repeats }
+    Identified { analysis, identifications: campaign.repeats, before: Vec::new() }
 }
 
 #[allow(clippy::unwrap_used)]

@@ -27,7 +27,7 @@ mod program;
 mod text;
 
 pub use analysis::facts::{
-    Analysis, ArcResult, BallBarFacts, Correlation, FeedOverride, MachineFacts, MarkResult,
+    Analysis, ArcResult, BallBarFacts, Before, Correlation, FeedOverride, MachineFacts, MarkResult,
     MountingFacts, NoiseResult, ParameterResult, PauseResult, Pivots, RejectedSample, RepeatResult,
     RunResult, SampleCounts, TestFacts,
 };
@@ -36,7 +36,8 @@ pub use analysis::machine_errors::{Hysteresis, MachineErrors, Reversal, Scale, S
 pub use analysis::means::MeanResult;
 pub use analysis::place::PlaceResult;
 pub use analysis::samples::{write_aligned, write_samples};
-pub use analysis::terminal::{runs_table, summary};
+pub use analysis::shown::Shown;
+pub use analysis::terminal::{place_text, runs_table, summary};
 pub use design::facts::{proposal_json, unseen_of};
 pub use design::terminal::proposal_text;
 pub use diagnosis::facts::{DiagnosisFacts, FindingFacts};

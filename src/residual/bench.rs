@@ -73,7 +73,7 @@ pub(crate) fn residuals(repeats: usize, mut noise: impl FnMut() -> f64) -> Resid
                 began_sigma_s: 0.0,
             };
             let factor = Matrix::zeros(5, basis.rank());
-            Repeat { samples, basis, factor, runs: vec![run] }
+            Repeat { samples, basis, factor, deviations: vec![1.0; 5], runs: vec![run] }
         })
         .collect();
     let arcs = 2 * repeats.len();
@@ -125,6 +125,7 @@ fn record(pose: Pose, motion: Motion, section: usize) -> Record {
         pose,
         motion,
         part: align::Part::Arc(section),
+        block: 0,
         leg: 0,
     };
     Record { sample, computed_mm: 0.0, residual_mm: 0.0, whitened: None, weight: 1.0, apart: None }

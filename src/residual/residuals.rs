@@ -2,17 +2,23 @@
 
 use std::ops::Range;
 
+use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::column::Column;
 use crate::error::Result;
-use crate::identify::{Campaign, Identification, LinearSample, Linearised, Options};
+use crate::identify::{Campaign, Identification, IdentifiedRun, LinearSample, Linearised, Options};
 use crate::machine::Machine;
 use crate::plan::Test;
 use crate::solve::{Basis, Matrix, dot};
 
 /// Programs whose durations differ by less than this share are one.
 const SAME_DURATION: f64 = 1e-6;
+/// Where a program is looked at, to tell it from others: more often than a test has arcs.
+const LOOKS: u32 = 64;
+/// Slides nearer than this are at one place, mm: programs of the same duration are there at the same time to some
+/// milliseconds, and another arc is elsewhere by its radius.
+const SAME_PLACE_MM: f64 = 1.0;
 
 /// A reading that a fit used; its arc is counted over all runs of all repeats.
 pub type Sample = LinearSample;
@@ -37,8 +43,10 @@ pub struct Repeat {
     pub samples: Vec<Sample>,
     /// What the fit follows at these samples.
     pub basis: Basis,
-    /// Parameters of the model (mm, rad) per unit of `Q^T c`, `c` in mm.
+    /// Faults per unit of `Q^T c`, `c` in mm, and what is plausible of each; see [`Linearised`].
     pub factor: Matrix,
+    /// See [`Linearised`].
+    pub deviations: Vec<f64>,
     /// The runs.
     pub runs: Vec<Run>,
 }
@@ -57,12 +65,27 @@ pub struct Residuals {
     pub arcs: usize,
 }
 
-/// A program that was driven: mounting, duration (s) and number of blocks tell one from another.
-struct Driven(usize, f64, usize);
+/// A program that was driven: mounting, duration and where the slides are on the way tell one from another. Three
+/// planes with the same arcs take the same time.
+struct Driven {
+    mounting: usize,
+    duration_s: f64,
+    way_mm: Vec<Vector3<f64>>,
+}
 
 impl Driven {
+    fn of(run: &IdentifiedRun) -> Self {
+        let trajectory = &run.alignment.trajectory;
+        let duration_s = trajectory.end_s();
+        let at = |k: u32| trajectory.at(duration_s * f64::from(k) / f64::from(LOOKS)).position_mm;
+        Self { mounting: run.mounting, duration_s, way_mm: (1..LOOKS).map(at).collect() }
+    }
+
     fn is(&self, other: &Self) -> bool {
-        self.0 == other.0 && (self.1 - other.1).abs() < SAME_DURATION * other.1 && self.2 == other.2
+        let near = |(a, b): (&Vector3<f64>, &Vector3<f64>)| (a - b).norm() < SAME_PLACE_MM;
+        self.mounting == other.mounting
+            && (self.duration_s - other.duration_s).abs() < SAME_DURATION * other.duration_s
+            && self.way_mm.iter().zip(&other.way_mm).all(near)
     }
 }
 
@@ -163,14 +186,13 @@ impl Repeat {
         arcs: &mut usize,
         programs: &mut Vec<Driven>,
     ) -> Self {
-        let mut samples = linear.samples;
+        let Linearised { mut samples, basis, factor, deviations } = linear;
         for sample in &mut samples {
             sample.arc += *arcs;
         }
         *arcs = samples.last().map_or(*arcs, |sample| sample.arc + 1);
         let runs = identified.runs.iter().enumerate().map(|(index, run)| {
-            let trajectory = &run.alignment.trajectory;
-            let this = Driven(run.mounting, trajectory.end_s(), trajectory.blocks().len());
+            let this = Driven::of(run);
             let known = programs.iter().position(|other| other.is(&this));
             let program = known.unwrap_or_else(|| {
                 programs.push(this);
@@ -185,6 +207,6 @@ impl Repeat {
             }
         });
         let runs = runs.collect();
-        Self { samples, basis: linear.basis, factor: linear.factor, runs }
+        Self { samples, basis, factor, deviations, runs }
     }
 }

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::clock::{Clock, ClockMoment};
+use super::control::Following;
 use super::hidden;
 use super::scenario::{Coincidence, Scenario};
 use crate::error::Result;
@@ -33,12 +34,14 @@ pub(super) struct Drive {
     pub(super) trajectory: Trajectory,
     pub(super) clock: Clock,
     reversals: Reversals,
+    following: Following,
 }
 
 impl Drive {
-    pub(super) fn new(trajectory: Trajectory, clock: Clock) -> Self {
+    pub(super) fn new(trajectory: Trajectory, clock: Clock, following_s: &Vector3<f64>) -> Self {
         let reversals = Reversals::of(&trajectory);
-        Self { trajectory, clock, reversals }
+        let following = Following::new(following_s, &trajectory, &clock);
+        Self { trajectory, clock, reversals, following }
     }
 }
 
@@ -58,7 +61,7 @@ pub(super) struct Condition {
     /// Their last reversals.
     pub(super) reversals: [Option<Reversal>; 3],
     /// How far they are from their commanded places because they follow late, mm: below 0 on the way up.
-    lag_mm: Vector3<f64>,
+    pub(super) lag_mm: Vector3<f64>,
 }
 
 impl Condition {
@@ -73,7 +76,7 @@ impl Condition {
     }
 
     /// Before anything moved.
-    fn rest(position_mm: Vector3<f64>) -> Self {
+    pub(super) fn rest(position_mm: Vector3<f64>) -> Self {
         Self {
             position_mm,
             sense: Vector3::zeros(),
@@ -147,7 +150,8 @@ impl Bent {
             elapsed_s: machine_s.max(0.0),
             program_s: moment.program_s,
             reversals: drive.reversals.last(turned_by_s, &state.position_mm),
-            lag_mm: self.lag_mm(drive, machine_s, &moment, &state),
+            lag_mm: self.lag_mm(drive, machine_s, &moment, &state)
+                + drive.following.lag_mm(machine_s),
         };
         (moment, state, condition)
     }
@@ -183,6 +187,13 @@ impl Bent {
             workpiece_ball_mm: self.scenario.workpiece_ball_mm,
             tool_ball_mm: self.scenario.tool_ball_mm,
         };
+        if let Some(place) = &self.scenario.place {
+            for (slide, of_slide) in Axis::ALL.into_iter().zip(&mut errors.slides) {
+                let error = place.slide_error(slide, &self.machine, &pose);
+                of_slide.translation_mm += error.translation_mm;
+                of_slide.rotation_rad += error.rotation_rad;
+            }
+        }
         hidden::add_to_slides(&self.hidden, now, &mut errors.slides);
         hidden::add_to_balls(&self.hidden, now, &mut errors);
         let motion = now.motion();
@@ -190,6 +201,13 @@ impl Bent {
             curve.bend(values, &pose, &motion, 0, &mut errors);
         }
         errors
+    }
+
+    /// By how much the tool ball is displaced against the point of the workpiece that it touches, mm.
+    pub(super) fn displaced_mm(&self, now: &Condition) -> Vector3<f64> {
+        let touching = Mounting { coincidence_mm: now.position_mm, ..self.mounting };
+        let vector = |errors| self.machine.ball_vector_mm(&touching, &now.position_mm, errors);
+        vector(&self.errors(now)) - vector(&ChainErrors::zero())
     }
 
     /// Length that the bar reads through the exact chain, without noise, steps and range, mm.

@@ -73,6 +73,11 @@ impl Clock {
         (program_s + self.start_s + paused_s) / (1.0 + self.ppm * 1e-6)
     }
 
+    /// Time since the program began at its end, s of the machine's clock, operator's pauses included.
+    pub(super) fn end_s(&self) -> f64 {
+        self.end_s
+    }
+
     /// Log time of the end of the program, s.
     pub(super) fn end_log_s(&self) -> f64 {
         (self.end_s + self.start_s) / (1.0 + self.ppm * 1e-6)

@@ -13,6 +13,10 @@
 //! white_um = 0.12
 //! correlated_um = 0.1
 //! correlation_s = 0.3
+//! [motion]                       # how the control drives otherwise than the machine file says
+//! acceleration_percent = 50.0    # acceleration_change_ms: where the machine file is not to be believed
+//! standing_ms = [1.0, 20.0]      # what standstills take beyond their program
+//! following_ms = [15.0, 15.0, 15.6]
 //! [clock]
 //! start_s = 3.0
 //! ppm = -30.0
@@ -30,14 +34,17 @@
 //! ```
 //!
 //! What is left out keeps its value from [`Scenario::default`]. `[coefficients]` and `[set_up]` are left
-//! out or given as a whole: an empty `[coefficients]` is a machine without errors.
+//! out or given as a whole: an empty `[coefficients]` is a machine without errors, and where there is none a plausible
+//! machine may be drawn ([`Scenario::draw_machine`]).
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use nalgebra::Vector3;
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::control::Control;
 use super::noise::Noise;
 use super::scenario::{Coincidence, Dropouts, Pauses, Scenario};
 use crate::error::{Error, Place, Result};
@@ -89,6 +96,8 @@ struct RawScenario {
     #[serde(default)]
     noise: RawNoise,
     #[serde(default)]
+    motion: RawMotion,
+    #[serde(default)]
     clock: RawClock,
     pauses: Option<Spanned<RawPauses>>,
     dropouts: Option<RawDropouts>,
@@ -105,6 +114,15 @@ struct RawNoise {
     white_um: Option<Spanned<f64>>,
     correlated_um: Option<Spanned<f64>>,
     correlation_s: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct RawMotion {
+    acceleration_percent: Option<Spanned<f64>>,
+    acceleration_change_ms: Option<Spanned<f64>>,
+    standing_ms: Option<Spanned<[f64; 2]>>,
+    following_ms: Option<Spanned<[f64; 3]>>,
 }
 
 #[derive(Deserialize, Default)]
@@ -146,12 +164,14 @@ impl RawScenario {
         }
         if let Some(values) = &self.coefficients {
             scenario.errors = ErrorFunctions::default();
+            scenario.has_errors = true;
             for (name, value) in values {
                 let coefficient = known(name, text, Coefficient::parse, Coefficient::all())?;
                 scenario.errors.set(coefficient, finite(value, name.get_ref(), text)?);
             }
         }
         if let Some(values) = &self.set_up {
+            scenario.has_set_up = true;
             for set_up in SetUp::all() {
                 scenario.set_set_up(set_up, 0.0);
             }
@@ -161,6 +181,7 @@ impl RawScenario {
             }
         }
         scenario.coincidence = self.coincidence;
+        scenario.control = self.motion.check(text)?;
         scenario.noise = self.noise.check(&scenario.noise, text)?;
         let within =
             |value: &Option<Spanned<f64>>, key: &str, default: f64, low: f64, high: f64| {
@@ -253,6 +274,39 @@ impl RawNoise {
                 None => default.correlation_s,
             },
         })
+    }
+}
+
+impl RawMotion {
+    fn check(self, text: &Text<'_>) -> Result<Control> {
+        let mut control = Control::AS_PLANNED;
+        if let Some(percent) = &self.acceleration_percent {
+            control.acceleration = text.within(percent, "acceleration_percent", 1.0, 1e4)? / 100.0;
+        }
+        if let Some(ms) = &self.acceleration_change_ms {
+            let change_ms = text.within(ms, "acceleration_change_ms", 0.0, 1e3)?;
+            control.acceleration_change_s = Some(change_ms * 1e-3);
+        }
+        if let Some(limits) = &self.standing_ms {
+            let [low, high] = *limits.get_ref();
+            if !(0.0..=high).contains(&low) || high > 1e4 {
+                return Err(Error::input("standstills cannot be drawn between these limits")
+                    .at(text.place(limits.span()))
+                    .hint("give the shorter one first, in ms from 0 to 10000, such as `standing_ms = [1, 20]`"));
+            }
+            control.standing_s = [low * 1e-3, high * 1e-3];
+        }
+        if let Some(of) = &self.following_ms {
+            if !of.get_ref().iter().all(|ms| (0.0..=1e3).contains(ms)) {
+                return Err(Error::input("a time constant lies from 0 to 1000 ms")
+                    .at(text.place(of.span()))
+                    .hint(
+                        "give one for each of X, Y, Z, such as `following_ms = [15, 15, 15.6]`",
+                    ));
+            }
+            control.following_s = 1e-3 * Vector3::from(*of.get_ref());
+        }
+        Ok(control)
     }
 }
 

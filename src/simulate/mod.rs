@@ -31,12 +31,15 @@
 //! **Not modelled:** what the room `motion` does not model, such as the in-position check at a stop, and
 //! elasticity.
 
+mod asked;
 mod bend;
 mod clock;
+mod control;
 mod file;
 mod hidden;
 mod instrument;
 mod noise;
+mod place;
 mod random;
 mod run;
 mod scenario;
@@ -44,8 +47,11 @@ mod scenario;
 mod tests;
 mod write;
 
+pub use asked::at_the_place;
 pub use clock::{Clock, ClockMoment};
+pub use control::Control;
 pub use noise::Noise;
+pub use place::PlaceErrors;
 pub use run::{SimulatedRun, TruePoint, run};
 pub use scenario::{Coincidence, Dropouts, Pauses, Scenario};
 pub use write::{TrueRun, truth_toml};

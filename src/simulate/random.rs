@@ -12,6 +12,9 @@ pub(super) enum Purpose {
     Correlated = 3,
     Dropouts = 4,
     Vibration = 5,
+    Machine = 6,
+    Standstills = 7,
+    SetUp = 8,
 }
 
 /// One stream.
@@ -27,6 +30,16 @@ impl Stream {
     /// Normal, mean 0, variance 1.
     pub(super) fn normal(&mut self) -> f64 {
         StandardNormal.sample(&mut self.0)
+    }
+
+    /// The same, drawn again until it is no farther from 0 than a limit.
+    pub(super) fn normal_within(&mut self, limit: f64) -> f64 {
+        loop {
+            let value = self.normal();
+            if value.abs() <= limit {
+                return value;
+            }
+        }
     }
 
     /// Exponential, mean 1.

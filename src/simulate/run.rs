@@ -78,7 +78,8 @@ pub fn run(
 ) -> Result<SimulatedRun> {
     let bent = Bent::new(machine, mounting, scenario)?;
     let scenario = &bent.scenario;
-    let trajectory = Trajectory::new(program, &bent.machine, scenario.feed_override);
+    let trajectory =
+        scenario.control.trajectory(program, &bent.machine, scenario.feed_override, scenario.seed);
     let pauses_s = pauses_s(program, &trajectory, scenario)?;
     let clock = Clock::new(&trajectory, scenario.start_s, scenario.clock_ppm, pauses_s);
     let sample_rate_hz = scenario.sample_rate_hz.unwrap_or(bar.sample_rate_hz);
@@ -87,7 +88,7 @@ pub fn run(
     let mut instrument =
         Instrument::new(scenario, Reads { range_mm, resolution_mm }, sample_rate_hz.recip());
 
-    let drive = Drive::new(trajectory, clock);
+    let drive = Drive::new(trajectory, clock, &scenario.control.following_s);
     let last_s = drive.clock.end_log_s() + scenario.after_s;
     let samples = (last_s * sample_rate_hz).floor().max(0.0) as usize + 1;
     let mut readings = Vec::with_capacity(samples);

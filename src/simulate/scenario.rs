@@ -2,8 +2,12 @@
 
 use nalgebra::Vector3;
 
+use super::control::Control;
 use super::noise::Noise;
+use super::place::{MOST_SIGMAS, PlaceErrors};
+use super::random::{Purpose, Stream};
 use crate::error::{Error, Result};
+use crate::machine::{Machine, Mounting};
 use crate::model::{Ball, Coefficient, Effect, Empirical, ErrorFunctions, ModelFile, SetUp};
 
 /// How long the operator pauses at every M00.
@@ -45,12 +49,20 @@ pub struct Scenario {
     pub seed: u64,
     /// The error functions of the slides, mm and rad.
     pub errors: ErrorFunctions,
+    /// Errors about the place of the test, besides those of the error functions.
+    pub place: Option<PlaceErrors>,
+    /// Whether somebody has said what the errors are: else a plausible machine may be drawn.
+    pub has_errors: bool,
+    /// Whether somebody has said what the set-up errors are.
+    pub has_set_up: bool,
     /// Set-up error of the workpiece ball, `EXw EYw EZw`, mm.
     pub workpiece_ball_mm: Vector3<f64>,
     /// Set-up error of the tool ball, `EXt EYt EZt`, mm.
     pub tool_ball_mm: Vector3<f64>,
     /// What the coordinates of a mounting mean.
     pub coincidence: Coincidence,
+    /// How the control drives otherwise than planned.
+    pub control: Control,
     /// Noise of the readings.
     pub noise: Noise,
     /// How long before the program the log begins, s.
@@ -154,6 +166,10 @@ impl Scenario {
         Self {
             seed: 1,
             errors: ErrorFunctions::default(),
+            place: None,
+            has_errors: false,
+            has_set_up: false,
+            control: Control::AS_PLANNED,
             workpiece_ball_mm: Vector3::zeros(),
             tool_ball_mm: Vector3::zeros(),
             coincidence: Coincidence::Nominal,
@@ -205,6 +221,7 @@ impl Scenario {
                 .hint("take the file as `ballbar diagnose` has written it")
         };
         self.errors = ErrorFunctions::default();
+        (self.has_errors, self.has_set_up) = (true, true);
         for (name, value) in &model.coefficients {
             let coefficient = Coefficient::parse(name).ok_or_else(|| unknown(name))?;
             self.errors.set(coefficient, *value);
@@ -220,6 +237,23 @@ impl Scenario {
         }
         self.curves.clone_from(&model.curves);
         Ok(())
+    }
+
+    /// Draws the errors and the set-up errors that nobody has stated from what is plausible for a machine, about the
+    /// middle of these mountings and `reach_mm` away from the ball of each. The operator brings the real balls together.
+    pub fn draw_machine(&mut self, machine: &Machine, mountings: &[Mounting], reach_mm: f64) {
+        if !self.has_errors {
+            self.errors = ErrorFunctions::default();
+            self.place = PlaceErrors::drawn(machine, mountings, reach_mm, self.seed);
+            self.coincidence = Coincidence::Touched;
+        }
+        if !self.has_set_up {
+            let mut stream = Stream::new(self.seed, Purpose::SetUp);
+            let sigma_mm = machine.plausible().set_up_mm;
+            self.workpiece_ball_mm = Vector3::zeros();
+            self.tool_ball_mm =
+                Vector3::from_fn(|_, _| sigma_mm * stream.normal_within(MOST_SIGMAS));
+        }
     }
 
     /// Value of a set-up error, mm.

@@ -267,7 +267,7 @@ fn the_log_reads_back() {
 fn the_truth_is_toml_and_complete() {
     let bench = bench();
     let run = bench.run(&fixed(Scenario::default()));
-    let text = truth_toml(&[TrueRun { log: "run1.csv", program: "T.nc", run: &run }]);
+    let text = truth_toml(&[TrueRun { log: "run1.csv", program: "T.nc", run: &run }], &[]);
     let table: toml::Table = toml::from_str(&text).unwrap();
     let entry = table["run"][0].as_table().unwrap();
     assert_eq!(entry["pauses_s"].as_array().unwrap()[1].as_float(), Some(11.0));
@@ -323,4 +323,51 @@ fn a_scenario_file_is_checked() {
         assert_eq!(error.place.as_ref().unwrap().line, line, "{error}");
         assert!(error.to_string().contains(part), "{error}");
     }
+}
+
+/// A slide that follows by the first order lags by its time constant times its speed, and catches up where it stands.
+#[test]
+fn a_slide_that_follows_late_lags_by_its_speed() {
+    let bench = bench();
+    let following_s = 0.02;
+    let mut late = fixed(Scenario::perfect());
+    late.control.following_s = Vector3::repeat(following_s);
+    let (on_time, late) = (bench.run(&fixed(Scenario::perfect())), bench.run(&late));
+    let mut ramps = 0;
+    for (now, then) in on_time.truth.iter().zip(&late.truth) {
+        let lag_mm = then.exact_mm - now.exact_mm;
+        let speed_mm_s = now.state.velocity_mm_s.norm();
+        let block = now.state.block;
+        let trajectory = Trajectory::new(&bench.program, &bench.machine, 1.0);
+        let along = &trajectory.blocks()[block];
+        let into_s = now.moment.program_s - along.start_s;
+        // On the feed-in from 171 to 150 mm: well after it began and before it ends.
+        let radial = along.kind == BlockKind::Feed && along.duration_s > 1.0;
+        if radial && (0.3..along.duration_s - 0.3).contains(&into_s) && speed_mm_s > 8.0 {
+            assert!((lag_mm.abs() - following_s * speed_mm_s).abs() < 1e-4, "{lag_mm}");
+            ramps += 1;
+        }
+    }
+    assert!(ramps > 5, "{ramps}");
+}
+
+/// What is drawn is the same for a seed, another machine for another, and nowhere beyond two deviations.
+#[test]
+fn a_machine_is_drawn_from_what_is_plausible() {
+    let bench = bench();
+    let drawn =
+        |seed: u64| PlaceErrors::drawn(&bench.machine, &[bench.mounting], 100.0, seed).unwrap();
+    assert_eq!(drawn(3), drawn(3));
+    assert_ne!(drawn(3), drawn(4));
+    let plausible = bench.machine.plausible();
+    let mut squares = 0.0;
+    for seed in 0..50 {
+        for (local, (_, value)) in crate::model::Local::all().zip(drawn(seed).named_values()) {
+            let share = value / local.plausible(plausible, 100.0);
+            assert!(share.abs() <= 2.0, "{local}: {share}");
+            squares += share * share;
+        }
+    }
+    // A normal variable within two deviations has the variance 0.774.
+    assert!((squares / (50.0 * 72.0) - 0.774).abs() < 0.05, "{squares}");
 }

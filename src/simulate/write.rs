@@ -39,13 +39,25 @@ pub struct TrueRun<'a> {
 /// zero, in mm and rad, with what is hidden in them.
 ///
 /// Each effect reads back through [`crate::model::Effect::parse`].
-pub fn truth_toml(runs: &[TrueRun<'_>]) -> String {
+///
+/// `asked` is what [`at_the_place`](super::at_the_place) says.
+pub fn truth_toml(runs: &[TrueRun<'_>], asked: &[(String, f64)]) -> String {
     let hidden = runs.first().map_or(&[][..], |first| &first.run.scenario.hidden);
     let effects: Vec<String> = hidden.iter().map(ToString::to_string).collect();
     let effect = if effects.is_empty() { "none".to_owned() } else { effects.join(" + ") };
     let mut text = format!(
         "# What was put into these logs. For scoring only: no command reads it.\neffect = {effect:?}\n",
     );
+    if !asked.is_empty() {
+        text.push_str(
+            "\n[at_the_place]  # tool against workpiece along programmed directions, lines through the middle\n",
+        );
+    }
+    for (name, value) in asked {
+        let slope = name.starts_with("scale") || name.starts_with("squareness");
+        let (unit, of_unit) = if slope { ("um_m", 1e6) } else { ("um", 1e3) };
+        let _ = writeln!(text, "{}_{unit} = {:.4}", name.replace(' ', "_"), value * of_unit);
+    }
     for TrueRun { log, program, run } in runs {
         let pauses: Vec<String> = run.clock.pauses_s.iter().map(|s| format!("{s:?}")).collect();
         let _ = write!(
@@ -67,6 +79,17 @@ pub fn truth_toml(runs: &[TrueRun<'_>]) -> String {
         );
         for (name, value) in run.scenario.named_values() {
             let _ = writeln!(text, "{name} = {value:e}");
+        }
+        if let Some(place) = &run.scenario.place {
+            let _ = write!(
+                text,
+                "[run.local]  # mm, rad: P1 P2 P3 and sense about the middle\nmiddle_mm = {:?}\nreach_mm = {:?}\n",
+                place.middle_mm.as_slice(),
+                place.reach_mm.as_slice(),
+            );
+            for (name, value) in place.named_values() {
+                let _ = writeln!(text, "{name} = {value:e}");
+            }
         }
     }
     text

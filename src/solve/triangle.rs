@@ -1,6 +1,6 @@
 //! What is left of all rows of a least-squares problem: a triangle.
 
-use super::matrix::Matrix;
+use super::matrix::{Matrix, norm};
 
 /// The triangle that stands for all rows of a least-squares problem `min |J x - e|`.
 ///
@@ -33,6 +33,11 @@ impl Triangle {
     /// otherwise: [`Solution::residual_norm`](super::Solution::residual_norm) is right in both cases.
     pub fn residual_norm(&self) -> f64 {
         self.residual_norm
+    }
+
+    /// `|e|`, the norm of the right-hand side, in its unit: of the residual where nothing moves.
+    pub fn rhs_norm(&self) -> f64 {
+        norm(self.q_t_rhs.iter().copied()).hypot(self.residual_norm)
     }
 
     /// How many rows were pushed, priors included.

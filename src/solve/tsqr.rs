@@ -41,6 +41,16 @@ pub struct Tsqr {
 }
 
 impl Tsqr {
+    /// The rows of a problem that has this triangle, to push more to.
+    pub fn of(triangle: &Triangle) -> Self {
+        let mut rows = Self::new(triangle.columns());
+        for (k, value) in triangle.q_t_rhs.iter().enumerate() {
+            rows.push_weighted(triangle.r.row(k), *value, 1.0);
+        }
+        rows.push_weighted(&vec![0.0; triangle.columns()], triangle.residual_norm, 1.0);
+        rows
+    }
+
     /// An empty problem with `n` columns and a right-hand side.
     pub fn new(columns: usize) -> Self {
         Self { columns, fold: Fold::new(columns + 1), filled: 0, rows: 0, not_finite: None }

@@ -11,10 +11,11 @@ use super::class::Class;
 pub(super) enum Purpose {
     Effects = 1,
     Days = 2,
+    Grid = 3,
 }
 
 /// One stream.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Chance(Pcg64Mcg);
 
 impl Chance {

@@ -29,6 +29,15 @@ pub const REQUIRED: [(Class, usize); 6] = [
     (Class::Outside, 100),
 ];
 
+/// How many a full trial over the grid has: every value of every factor comes up some hundred times.
+pub const IN_GRID: [(Class, usize); 5] = [
+    (Class::Single, 400),
+    (Class::Small, 200),
+    (Class::None, 800),
+    (Class::Two, 200),
+    (Class::Outside, 200),
+];
+
 /// Sizes of [`Class::Sizes`] in units of the noise.
 const SIZES: [f64; 3] = [0.3, 0.5, 2.0];
 

@@ -16,9 +16,9 @@ pub(super) const NOISE: Noise =
 /// Standard deviation of the place of the tool ball, mm.
 const SET_UP_MM: f64 = 10e-3;
 /// Limits of the rate of the instrument's clock, parts per million.
-const CLOCK_PPM: [f64; 2] = [-50.0, 50.0];
+pub(super) const CLOCK_PPM: [f64; 2] = [-50.0, 50.0];
 /// Limits of the time between the start of the log and that of the program, s.
-const START_S: [f64; 2] = [3.0, 20.0];
+pub(super) const START_S: [f64; 2] = [3.0, 20.0];
 /// Limits of an operator's pause, s.
 const PAUSE_S: [f64; 2] = [5.0, 40.0];
 /// Share by which hysteresis varies.

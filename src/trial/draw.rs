@@ -23,6 +23,9 @@ const PERIODS_MM: [f64; 9] = [20.0, 10.0, 5.0, 10.0 / 3.0, 4.0, 6.0, 8.0, 12.0, 
 /// What any other is between, mm.
 const PERIOD_MM: [f64; 2] = [3.0, 60.0];
 
+/// What one is between where nobody thinks of screws, mm.
+const ANY_PERIOD_MM: [f64; 2] = [2.0, 100.0];
+
 /// Where and when a campaign measures.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Reach {
@@ -30,6 +33,8 @@ pub(super) struct Reach {
     pub(super) travel_mm: [[f64; 2]; 3],
     /// First and last sample of every run, s since its program began.
     pub(super) elapsed_s: Vec<[f64; 2]>,
+    /// Whether periods are drawn evenly, not as screws have them.
+    pub(super) anywhere: bool,
 }
 
 /// An effect of a cause, with an amplitude of its own unit: 1 um, 10 urad.
@@ -46,6 +51,7 @@ pub(super) fn effect(cause: &'static Cause, reach: &Reach, chance: &mut Chance) 
         _ => 4 + chance.below(2),
     };
     let mut number = |key: &str| match key {
+        "period" if reach.anywhere => chance.log_between(ANY_PERIOD_MM),
         "period" => match chance.below(PERIODS_MM.len() + 1) {
             k if k < PERIODS_MM.len() => PERIODS_MM[k],
             _ => chance.between(PERIOD_MM),

@@ -9,17 +9,9 @@ use super::course::Course;
 use super::days::{NOISE, days};
 use super::draw::{drawn, outside};
 use super::one::{Drawn, Outcome, trial};
+use super::request::Request;
 use super::stage::Stage;
 use crate::error::{Error, Kind, Result};
-
-/// A trial that is asked for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Request {
-    /// What kind.
-    pub class: Class,
-    /// Which of them.
-    pub index: u64,
-}
 
 /// A course made ready for trials.
 pub struct Session {
@@ -53,7 +45,7 @@ impl Session {
         let hidden =
             self.stage.drawn(&self.course, &causes, class.effects(), size_mm, &mut chance)?;
         let days = days(&self.course, &mut Chance::new(self.seed, class, index, Purpose::Days));
-        Ok(Drawn { class, index, size_mm, hidden, days })
+        Ok(Drawn { class, index, size_mm, hidden, days, true_too: Vec::new() })
     }
 
     /// Does one trial, with its diagnosis kept.
@@ -74,40 +66,48 @@ impl Session {
         requests: &[Request],
         finished: &(dyn Fn(&Outcome) + Sync),
     ) -> Result<Vec<Outcome>> {
-        let next = AtomicUsize::new(0);
-        let (sender, receiver) = mpsc::channel();
-        let threads = rayon::current_num_threads().min(requests.len()).max(1);
-        std::thread::scope(|scope| {
-            for _ in 0..threads {
-                let (sender, next) = (sender.clone(), &next);
-                scope.spawn(move || {
-                    // Threads that share trials would take up one inside of another.
-                    let pool = match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
-                        Ok(pool) => pool,
-                        Err(error) => {
-                            let error = Error::new(Kind::Output, format!("no thread: {error}"));
-                            let _ = sender.send((0, Err(error)));
-                            return;
-                        }
-                    };
-                    loop {
-                        let index = next.fetch_add(1, Ordering::Relaxed);
-                        let Some(&request) = requests.get(index) else { return };
-                        let outcome = pool.install(|| {
-                            let drawn = self.drawn(request)?;
-                            Ok(trial(&self.stage, &self.course, drawn, false))
-                        });
-                        if let Ok(outcome) = &outcome {
-                            finished(outcome);
-                        }
-                        let _ = sender.send((index, outcome));
-                    }
-                });
-            }
-        });
-        drop(sender);
-        let mut outcomes: Vec<(usize, Result<Outcome>)> = receiver.into_iter().collect();
-        outcomes.sort_by_key(|(index, _)| *index);
-        outcomes.into_iter().map(|(_, outcome)| outcome).collect()
+        let one = |request| Ok(trial(&self.stage, &self.course, self.drawn(request)?, false));
+        side_by_side(requests, &one, finished)
     }
+}
+
+/// Trials side by side, as many as there are threads, each on one of them; the outcomes stand in the order of the
+/// requests.
+pub(super) fn side_by_side(
+    requests: &[Request],
+    one: &(dyn Fn(Request) -> Result<Outcome> + Sync),
+    finished: &(dyn Fn(&Outcome) + Sync),
+) -> Result<Vec<Outcome>> {
+    let next = AtomicUsize::new(0);
+    let (sender, receiver) = mpsc::channel();
+    let threads = rayon::current_num_threads().min(requests.len()).max(1);
+    std::thread::scope(|scope| {
+        for _ in 0..threads {
+            let (sender, next) = (sender.clone(), &next);
+            scope.spawn(move || {
+                // Threads that share trials would take up one inside of another.
+                let pool = match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
+                    Ok(pool) => pool,
+                    Err(error) => {
+                        let error = Error::new(Kind::Output, format!("no thread: {error}"));
+                        let _ = sender.send((0, Err(error)));
+                        return;
+                    }
+                };
+                loop {
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(&request) = requests.get(index) else { return };
+                    let outcome = pool.install(|| one(request));
+                    if let Ok(outcome) = &outcome {
+                        finished(outcome);
+                    }
+                    let _ = sender.send((index, outcome));
+                }
+            });
+        }
+    });
+    drop(sender);
+    let mut outcomes: Vec<(usize, Result<Outcome>)> = receiver.into_iter().collect();
+    outcomes.sort_by_key(|(index, _)| *index);
+    outcomes.into_iter().map(|(_, outcome)| outcome).collect()
 }

@@ -78,7 +78,15 @@ pub(super) struct Stage {
 impl Stage {
     /// Simulates and identifies the campaign.
     pub(super) fn new(course: &Course) -> Result<Self> {
-        let mut scenarios = days(course, &mut Chance::new(0, Class::None, 0, Purpose::Days));
+        Self::of(course, days(course, &mut Chance::new(0, Class::None, 0, Purpose::Days)), false)
+    }
+
+    /// The same on these days; effects are drawn `anywhere`, or where people know them.
+    pub(super) fn of(
+        course: &Course,
+        mut scenarios: Vec<Scenario>,
+        anywhere: bool,
+    ) -> Result<Self> {
         let simulated = simulate_all(course, &scenarios)?;
         let measured = measured(course, &simulated)?;
         let campaign =
@@ -89,6 +97,7 @@ impl Stage {
         let mut reach = Reach {
             travel_mm: [[f64::INFINITY, f64::NEG_INFINITY]; 3],
             elapsed_s: vec![[f64::INFINITY, f64::NEG_INFINITY]; rates.len()],
+            anywhere,
         };
         let mut blocks = Vec::new();
         for (of_repeat, repeat) in course.repeats().iter().zip(&campaign.repeats) {

@@ -8,7 +8,8 @@ use crate::work::{Work, data};
 fn found(hide: &str) -> Value {
     let work = Work::new();
     let test = data("case-d").join("test.toml");
-    work.ballbar(&["simulate", test.to_str().unwrap(), "--hide", hide, "--seed", "4"]).done();
+    work.ballbar(&["simulate", "--paper", test.to_str().unwrap(), "--hide", hide, "--seed", "4"])
+        .done();
     work.ballbar(&["diagnose", "results/test.toml"]).done();
     let analysis = std::fs::read_to_string(work.path("results/analysis.json")).unwrap();
     let analysis: Value = serde_json::from_str(&analysis).unwrap();

@@ -57,11 +57,16 @@ fn a_simulated_test_is_ready_to_be_analysed() {
     assert_eq!(analysis["repeats"].as_array().unwrap().len(), 2);
     let truth: toml::Table =
         toml::from_str(&std::fs::read_to_string(work.path("results/truth.toml")).unwrap()).unwrap();
-    let backlash = truth["run"][0]["coefficients"]["EYYb"].as_float().unwrap();
+    // A machine that was drawn: three scales, three squarenesses, three reversals, six lateral plays.
     let asked = analysis["at_the_place"].as_array().unwrap();
-    let reversal = asked.iter().find(|asked| asked["quantity"] == "reversal Y").unwrap();
-    let off_um = reversal["value"].as_f64().unwrap() - 2e3 * backlash;
-    assert!(off_um.abs() < 5.0 * reversal["all"].as_f64().unwrap(), "{off_um}");
+    let true_of_it = truth["at_the_place"].as_table().unwrap();
+    assert_eq!(true_of_it.len(), 15);
+    for (key, truth) in true_of_it {
+        let name = key.trim_end_matches("_um_m").trim_end_matches("_um").replace('_', " ");
+        let found = asked.iter().find(|asked| asked["quantity"] == name.as_str()).unwrap();
+        let off = found["value"].as_f64().unwrap() - truth.as_float().unwrap();
+        assert!(off.abs() < 4.0 * found["all"].as_f64().unwrap(), "{name}: {off} {found}");
+    }
 }
 
 #[test]

@@ -9,6 +9,7 @@ mod diagnose;
 mod given;
 mod good;
 mod hide;
+mod instrument;
 mod mountings;
 mod plan;
 mod reference;

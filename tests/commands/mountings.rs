@@ -110,7 +110,7 @@ fn truth(work: &Work) -> impl Fn(&str) -> f64 {
 /// Simulates into `virtual` and analyses into `results`.
 fn simulated(work: &Work, test: &str, scenario: &str) -> Value {
     work.machine("name", "name").write("test.toml", test).write("scenario.toml", scenario);
-    let simulate = ["simulate", "test.toml", "--scenario", "scenario.toml"];
+    let simulate = ["simulate", "--paper", "test.toml", "--scenario", "scenario.toml"];
     work.ballbar(&simulate).done();
     std::fs::rename(work.path("results"), work.path("virtual")).unwrap();
     analysed(work)
@@ -139,7 +139,8 @@ fn three_places_not_on_one_line_find_all_that_the_volume_needs() {
     let set_ups_mm = [[0.005, -0.003, 0.002], [-0.004, 0.007, 0.001], [0.0, -0.006, -0.008]];
     for (place, set_up_mm) in set_ups_mm.into_iter().enumerate() {
         work.write("scenario.toml", scenario(set_up_mm));
-        let simulate = ["simulate", "test.toml", "--scenario", "scenario.toml", "--repeats", "2"];
+        let simulate =
+            ["simulate", "--paper", "test.toml", "--scenario", "scenario.toml", "--repeats", "2"];
         work.ballbar(&simulate).done();
         if place == 0 {
             std::fs::rename(work.path("results"), work.path("virtual")).unwrap();

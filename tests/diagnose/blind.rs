@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::ops::Range;
 
-use ballbar::trial::{Class, Course, Request, Session};
+use ballbar::trial::{Class, Course, Grid, Request, Session};
 
 /// What was hidden in these trials, and what was made of it: the same every time.
 fn told(wanted: [(Class, Range<u64>); 4]) -> String {
@@ -64,4 +64,22 @@ fn a_trial_is_its_seed_class_and_index() {
         })
     };
     assert_eq!(trial(1), trial(2));
+}
+
+/// A campaign of the grid with nothing in it: 3D6 on the HU40-T, one run, ten readings a second, one slide late.
+#[test]
+fn a_trial_of_the_grid_finds_nothing_in_an_empty_campaign_and_says_what_it_was() {
+    let grid = Grid { seed: 1, size_mm: None };
+    let request = Request { class: Class::None, index: 8 };
+    let outcomes = [1, 2].map(|_| grid.trial(request, false));
+    let [one, other] = &outcomes;
+    assert_eq!((&one.judgement, &one.strata), (&other.judgement, &other.strata));
+    assert_eq!(one.judgement.verdict.name(), "right", "{one:?}");
+    assert!(one.strata.contains(&("test", "3D6".to_owned())), "{:?}", one.strata);
+    // Three scales, squarenesses and reversals, six lateral plays; 1 in 22 is beyond two deviations.
+    assert_eq!(one.off_by.len(), 15);
+    assert!(one.off_by.iter().all(|off| off.alls.abs() < 4.0), "{:?}", one.off_by);
+    let files = grid.files(request).unwrap();
+    let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["machine.toml", "program1.nc", "run1-1.csv", "truth.toml", "test.toml"]);
 }

@@ -3,12 +3,12 @@
 
 use std::path::Path;
 
-use ballbar::diagnose::{Diagnosis, diagnose};
-use ballbar::identify::{Campaign, Failure};
+use ballbar::diagnose::Diagnosis;
+use ballbar::identify::Campaign;
 use ballbar::plan::Test;
 use ballbar::report::{Analysis, PlaceResult};
 
-use crate::judge::near;
+use crate::judge::{self, near};
 
 /// What came out of a set, and what was put in at the place of the test.
 struct Measured {
@@ -23,11 +23,8 @@ struct Measured {
 fn measured(set: &str) -> Measured {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(set);
     let test = Test::read(&folder.join("test.toml")).unwrap();
-    let machine = test.machine().unwrap();
-    let campaign = Campaign::of(&test, &machine, Failure::Refuse, &|| ()).unwrap();
-    let diagnosis = diagnose(&test, &machine, &campaign).unwrap();
-    let shown = diagnosis.extended.as_ref().unwrap_or(&campaign);
-    let at_the_place = Analysis::new(&test, &machine, shown).at_the_place;
+    let (machine, campaign, diagnosis) = judge::diagnosed(&test);
+    let at_the_place = Analysis::diagnosed(&test, &machine, &campaign, &diagnosis).at_the_place;
     let truth = std::fs::read_to_string(folder.join("truth.toml")).unwrap().parse().unwrap();
     Measured { runs: test.runs().unwrap().len(), campaign, diagnosis, at_the_place, truth }
 }
@@ -125,4 +122,35 @@ fn behind_a_real_planner_two_effects_are_named() {
     near(cyclic, "phase_rad", 1.1);
     assert!(measured.diagnosis.verdict.after_mm < 1.05 * 0.1588e-3);
     measured.scales_and_squarenesses_within(2.0);
+}
+
+/// One run of a plane: nobody knows what repeats, and no share of it is told.
+#[test]
+fn one_run_of_a_plane_says_nothing_of_what_repeats() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/planar250");
+    let text = std::fs::read_to_string(folder.join("test.toml")).unwrap();
+    let end = text.rfind("[[run]]").unwrap();
+    let here = |key: &str| format!("{key} = \"{}/", folder.display());
+    let text = ["machine", "program", "log"]
+        .iter()
+        .fold(text[..end].to_owned(), |text, key| text.replace(&format!("{key} = \""), &here(key)));
+    let work = tempfile::tempdir().unwrap();
+    let file = work.path().join("test.toml");
+    std::fs::write(&file, text).unwrap();
+    let (_, _, diagnosis) = judge::diagnosed(&Test::read(&file).unwrap());
+    assert_eq!(diagnosis.findings.len(), 3, "{:?}", diagnosis.findings);
+    assert_eq!(diagnosis.verdict.explained, None);
+    assert!(diagnosis.runs.iter().all(|run| run.floor_mm.is_none() && run.explained.is_none()));
+}
+
+/// Three planes of one repeat, which last equally long: they are no runs of one program, and what is each run's own is
+/// in that run alone.
+#[test]
+fn three_planes_are_three_programs() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/planar");
+    let (_, _, diagnosis) = judge::diagnosed(&Test::read(&folder.join("test.toml")).unwrap());
+    assert_eq!(diagnosis.verdict.structure_before, None);
+    for run in &diagnosis.runs {
+        assert!(run.before_mm < 1.1 * diagnosis.verdict.before_mm, "{run:?}");
+    }
 }

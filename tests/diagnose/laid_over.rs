@@ -8,13 +8,13 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use ballbar::align::Sample;
-use ballbar::diagnose::{Diagnosis, Feature, Finding, Owner, diagnose};
+use ballbar::diagnose::{Diagnosis, Feature, Finding, Owner};
 use ballbar::identify::{Campaign, Failure};
 use ballbar::machine::Axis;
 use ballbar::model::Variable;
 use ballbar::plan::Test;
 
-use crate::judge::{explained, near};
+use crate::judge::{self, explained, near};
 
 fn data() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/case-d")
@@ -73,9 +73,7 @@ fn with(effect: impl Fn(&Seen) -> f64) -> Diagnosis {
         std::fs::write(directory.path().join(name), changed).unwrap();
     }
     let test = Test::read(&directory.path().join("test.toml")).unwrap();
-    let machine = test.machine().unwrap();
-    let campaign = Campaign::of(&test, &machine, Failure::Refuse, &|| ()).unwrap();
-    diagnose(&test, &machine, &campaign).unwrap()
+    judge::diagnosed(&test).2
 }
 
 /// Cause and seat, and whether the runs cannot tell it from that.

@@ -3,21 +3,17 @@
 
 use std::path::{Path, PathBuf};
 
-use ballbar::diagnose::{Diagnosis, diagnose};
-use ballbar::identify::{Campaign, Failure};
+use ballbar::diagnose::Diagnosis;
 use ballbar::plan::Test;
 
-use crate::judge::{NOISE_MM, explained, near};
+use crate::judge::{self, NOISE_MM, explained, near};
 
 fn data(set: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(set)
 }
 
 fn diagnosed(set: &str) -> Diagnosis {
-    let test = Test::read(&data(set).join("test.toml")).unwrap();
-    let machine = test.machine().unwrap();
-    let campaign = Campaign::of(&test, &machine, Failure::Refuse, &|| ()).unwrap();
-    diagnose(&test, &machine, &campaign).unwrap()
+    judge::diagnosed(&Test::read(&data(set).join("test.toml")).unwrap()).2
 }
 
 /// The text that says what was hidden.

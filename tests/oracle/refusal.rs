@@ -83,7 +83,7 @@ fn a_log_of_another_program_is_refused() {
     refused(
         "pauses that the program does not have",
         identify(&hu40t, stops, whole, same),
-        &["the bar reads for another time", "1161.3", "if the machine stood in between"],
+        &["is in the log and not in the program", "write an M00 into the program"],
     );
 }
 
@@ -208,8 +208,11 @@ fn exchanged_planes_are_said_when_the_three_are_identified_together() {
             let alignment = set.align(&log, &set.program(&run.program)).unwrap();
             set.input(run, alignment)
         });
-        let found = accepted(&format!("logs {order:?}"), set.identify(inputs.collect()));
-        let said = found.cautions.iter().any(|c| c.contains("another program"));
+        // Times run away from what is another plane's.
+        let said = match set.identify(inputs.collect()) {
+            Err(error) => error.kind == Kind::Undetermined,
+            Ok(found) => found.cautions.iter().any(|c| c.contains("another program")),
+        };
         assert_eq!(said, exchanged, "logs {order:?}");
     }
     for (log, program) in [("xy", 2), ("zx", 1), ("yz", 3)] {

@@ -47,37 +47,49 @@ struct Sums {
     feed_mm_min: f64,
     runs: usize,
     samples: f64,
-    before_mm2: f64,
-    after_mm2: f64,
-    products_before: Products,
-    products_after: Products,
+    sum_mm2: f64,
+    products: Products,
 }
 
 impl Sums {
-    fn share(self) -> ArcShare {
-        let (before_mm2, after_mm2) =
-            (self.before_mm2 / self.samples, self.after_mm2 / self.samples);
-        let share = |of: Products, mean_mm2: f64| {
-            (of.count > 0.0 && mean_mm2 > 0.0).then(|| of.sum_mm2 / of.count / mean_mm2)
-        };
-        ArcShare {
-            name: self.name,
-            feed_mm_min: self.feed_mm_min,
-            runs: self.runs,
-            samples: self.samples as usize,
-            before_mm: before_mm2.sqrt(),
-            after_mm: after_mm2.sqrt(),
-            structure_before: share(self.products_before, before_mm2),
-            structure_after: share(self.products_after, after_mm2),
-        }
+    fn mean_mm2(&self) -> f64 {
+        self.sum_mm2 / self.samples
+    }
+
+    /// Of the variance, what repeats.
+    fn structure(&self) -> Option<f64> {
+        let mean_mm2 = self.mean_mm2();
+        let of = self.products;
+        (of.count > 0.0 && mean_mm2 > 0.0).then(|| of.sum_mm2 / of.count / mean_mm2)
     }
 }
 
-/// The arcs of all programs, in the order in which they are driven. The campaign is the one that the residuals
-/// are of: it knows the names of the sections.
-pub(crate) fn arcs(residuals: &Residuals, campaign: &Campaign, after_mm: &Column) -> Vec<ArcShare> {
-    let before = products(residuals, &residuals.model_mm, |_| true);
-    let after = products(residuals, after_mm, |_| true);
+/// The arcs of all programs, in the order in which they are driven: what the model leaves, and what the extended one does,
+/// each with the campaign that knows the names of its sections.
+pub(crate) fn arcs(
+    before: (&Residuals, &Campaign),
+    after: (&Residuals, &Campaign),
+    after_mm: &Column,
+) -> Vec<ArcShare> {
+    let before = sums(before.0, before.1, &before.0.model_mm);
+    let share = |after: Sums| {
+        let before = before.iter().find(|sums| sums.key == after.key)?;
+        Some(ArcShare {
+            feed_mm_min: after.feed_mm_min,
+            runs: after.runs,
+            samples: after.samples as usize,
+            before_mm: before.mean_mm2().sqrt(),
+            after_mm: after.mean_mm2().sqrt(),
+            structure_before: before.structure(),
+            structure_after: after.structure(),
+            name: after.name,
+        })
+    };
+    sums(after.0, after.1, after_mm).into_iter().filter_map(share).collect()
+}
+
+fn sums(residuals: &Residuals, campaign: &Campaign, left_mm: &Column) -> Vec<Sums> {
+    let products = products(residuals, left_mm, |_| true);
     let mut all: Vec<Sums> = Vec::new();
     for (index, repeat) in residuals.repeats.iter().enumerate() {
         for (number, run) in repeat.runs.iter().enumerate() {
@@ -100,14 +112,12 @@ pub(crate) fn arcs(residuals: &Residuals, campaign: &Campaign, after_mm: &Column
                 if last != Some(key) {
                     last = Some(key);
                     sums.runs += 1;
-                    sums.products_before = sums.products_before + before[sample.arc];
-                    sums.products_after = sums.products_after + after[sample.arc];
+                    sums.products = sums.products + products[sample.arc];
                 }
                 sums.samples += 1.0;
-                sums.before_mm2 += residuals.model_mm[index][k].powi(2);
-                sums.after_mm2 += after_mm[index][k].powi(2);
+                sums.sum_mm2 += left_mm[index][k].powi(2);
             }
         }
     }
-    all.into_iter().map(Sums::share).collect()
+    all
 }

@@ -5,8 +5,11 @@
 //! each run's own (the phase of a vibration, a knock) nothing else can foretell: there the amplitude is
 //! the repeat's own.
 
+use std::collections::BTreeMap;
+use std::ops::Range;
+
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::diagnose::thresholds::NOTHING;
 use crate::residual::{self, Beside, Column, Fitted, Owner, Residuals, Structure};
@@ -29,11 +32,19 @@ pub struct RunGain {
     /// With the effects as the other repeats have them, mm.
     #[serde(rename = "after_um", serialize_with = "um")]
     pub after_mm: f64,
-    /// What does not repeat from run to run, mm; what all effects together leave where nothing repeats.
-    #[serde(rename = "floor_um", serialize_with = "um")]
-    pub floor_mm: f64,
-    /// `(before² - after²) / (before² - floor²)`; `None` where nothing was there to explain.
+    /// What does not repeat from run to run, mm; `None` where no other run drove its program, or where an effect is each
+    /// run's own.
+    #[serde(rename = "floor_um", serialize_with = "um_if_any")]
+    pub floor_mm: Option<f64>,
+    /// `(before² - after²) / (before² - floor²)`, from 0 to 1, the floor what all effects together leave where it is not
+    /// known; `None` where nothing was there to explain, or where the run took part in the fit.
     pub explained: Option<f64>,
+}
+
+// The signature is that of `serialize_with`.
+#[allow(clippy::ref_option)]
+fn um_if_any<S: Serializer>(mm: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+    mm.map(|mm| mm * 1e3).serialize(serializer)
 }
 
 /// The effects as runs of the other programs have them.
@@ -52,7 +63,7 @@ pub struct ProgramGain {
 }
 
 /// The gain on one arc of one run, over all its samples.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ArcGain {
     /// Sum of squares before less that after, mm².
     gained_mm2: f64,
@@ -68,85 +79,151 @@ pub(crate) struct Explained {
     pub(crate) interval: Option<[f64; 2]>,
 }
 
-/// What the effects leave in the repeats that are `out`: they took no part. Nothing of the others; `None`
-/// where the effects cannot be fitted to the others.
-fn left_out(alone: &Beside, all: &Fitted, out: &[bool]) -> Option<Column> {
+/// What the effects leave in the repeats that took no part in their fit.
+struct LeftOut {
+    /// What is left, mm; nothing of the others.
+    left_mm: Column,
+    /// By how much each effect lowers the sum of squares there beside the others, mm².
+    gained_mm2: Vec<f64>,
+}
+
+/// What the effects leave in the repeats that are `out`: they took no part. `None` where the effects cannot be
+/// fitted to the others.
+fn left_out(alone: &Beside, all: &Fitted, out: &[bool]) -> Option<LeftOut> {
     let residuals = alone.residuals;
     let within: Vec<bool> = out.iter().map(|out| !out).collect();
     let fitted = residual::fit_to(alone, all.elements.clone(), &within)?;
-    let mut effect = residuals.zeros();
+    let mut left_mm = residuals.model_mm.clone();
+    let mut parts = Vec::new();
     for (index, element) in fitted.elements.iter().enumerate() {
         let foretold = element.owner == Owner::All;
         let amplitudes = if foretold { &fitted.amplitudes[index] } else { &all.amplitudes[index] };
         let element = if foretold { element } else { &all.elements[index] };
+        let mut effect = residuals.zeros();
         for (amplitude, column) in amplitudes.iter().zip(element.columns(residuals)) {
             effect.add(*amplitude, &column);
         }
+        let effect = residuals.outside(&effect);
+        left_mm.add(-1.0, &effect);
+        parts.push(effect);
     }
-    for (of_repeat, out) in effect.iter_mut().zip(out) {
-        if !out {
-            of_repeat.clear();
-        }
-    }
-    let effect = residuals.outside(&effect);
-    let pairs = residuals.model_mm.iter().zip(effect.iter());
-    Some(pairs.map(|(e, c)| e.iter().zip(c).map(|(e, c)| e - c).collect()).collect())
+    let only_out = |column: &mut Column| {
+        let within = column.iter_mut().zip(out).filter(|(_, out)| !**out);
+        within.for_each(|(of_repeat, _)| of_repeat.clear());
+    };
+    only_out(&mut left_mm);
+    let gained = |mut part: Column| {
+        only_out(&mut part);
+        part.square() + 2.0 * part.product(&left_mm)
+    };
+    let gained_mm2 = parts.into_iter().map(gained).collect();
+    Some(LeftOut { left_mm, gained_mm2 })
 }
 
-/// The gain on every run, and on every arc; `fitted_mm` is what all effects together leave.
+/// The gain on every run, on every arc, and of every effect.
+pub(crate) struct Gains {
+    pub(crate) runs: Vec<RunGain>,
+    pub(crate) arcs: Vec<ArcGain>,
+    /// The effect that does least beside the others, if it makes runs that took no part worse, or all together do.
+    pub(crate) harmful: Option<usize>,
+}
+
+/// The gain on every run; `before` is what the model alone leaves, `fitted_mm` what all effects together do.
 pub(crate) fn by_run(
+    before: &Residuals,
     alone: &Beside,
     fitted_mm: &Column,
     all: Option<&Fitted>,
-) -> (Vec<RunGain>, Vec<ArcGain>) {
+) -> Gains {
     let residuals = alone.residuals;
     let repeats = residuals.repeats.len();
-    let after: Vec<Vec<f64>> = (0..repeats)
+    let foretold: Vec<Option<LeftOut>> = (0..repeats)
         .into_par_iter()
         .map(|index| {
             let out: Vec<bool> = (0..repeats).map(|k| k == index).collect();
-            let left = all.filter(|_| repeats > 1).and_then(|all| left_out(alone, all, &out));
-            // With one repeat there is nothing to foretell from: what the fit itself leaves.
-            left.map_or_else(|| fitted_mm[index].clone(), |left| left[index].clone())
+            all.filter(|_| repeats > 1).and_then(|all| left_out(alone, all, &out))
         })
         .collect();
+    // With one repeat there is nothing to foretell from: what the fit itself leaves.
+    let left = |index: usize| foretold[index].as_ref().map_or(fitted_mm, |out| &out.left_mm);
+    let after_mm: Column = (0..repeats).map(|index| left(index)[index].clone()).collect();
+    // What is each run's own repeats in none.
     let own = all.is_some_and(|all| all.elements.iter().any(|e| e.owner != Owner::All));
-    let shared = shared(residuals);
-    let before = &residuals.model_mm;
-    let mut gains = Vec::new();
-    let mut arcs = vec![ArcGain::default(); residuals.arcs];
-    for (index, repeat) in residuals.repeats.iter().enumerate() {
-        for run in &repeat.runs {
-            let range = run.samples.clone();
-            let samples = range.len().max(1) as f64;
-            let mean =
-                |values: &[f64]| dot(&values[range.clone()], &values[range.clone()]) / samples;
-            let was = mean(&before[index]);
-            let is = mean(&after[index]);
-            let left = mean(&fitted_mm[index]);
-            let floor = match shared[run.program] {
-                // What is finer than the readings repeats, but not at the same readings.
-                Some(structure) if !own => left.min(was - structure.variance_mm2.max(0.0)),
-                _ => left,
+    let shared = shared(before);
+    let was_by_arc = by_arc(before, &before.model_mm);
+    let is_by_arc = by_arc(residuals, &after_mm);
+    let (mut runs, mut arcs) = (Vec::new(), Vec::new());
+    for (index, (was, is)) in before.repeats.iter().zip(&residuals.repeats).enumerate() {
+        for (number, (of, run)) in was.runs.iter().zip(&is.runs).enumerate() {
+            let mean = |column: &Column, samples: &Range<usize>| {
+                let of_run = &column[index][samples.clone()];
+                dot(of_run, of_run) / samples.len().max(1) as f64
             };
-            let there = was - floor;
-            for k in range.clone() {
-                let arc = &mut arcs[repeat.samples[k].arc];
-                let (b, a) = (before[index][k].powi(2), after[index][k].powi(2));
-                arc.gained_mm2 = arc.gained_mm2 + b - a;
-                arc.there_mm2 = arc.there_mm2 + b - floor;
+            let was_mm2 = mean(&before.model_mm, &of.samples);
+            let (is_mm2, left_mm2) = (mean(&after_mm, &run.samples), mean(fitted_mm, &run.samples));
+            // What is finer than the readings repeats, but not at the same readings.
+            let floor_mm2 = match shared[of.program] {
+                Some(structure) if !own => {
+                    Some(left_mm2.min(was_mm2 - structure.variance_mm2.max(0.0)).max(0.0))
+                }
+                _ => all.is_none().then_some(left_mm2),
+            };
+            let least_mm2 = floor_mm2.unwrap_or(left_mm2);
+            let there_mm2 = was_mm2 - least_mm2;
+            for (place, is) in is_by_arc.range((index, number, 0)..(index, number + 1, 0)) {
+                let Some(was) = was_by_arc.get(place) else { continue };
+                let mean_mm2 = was.sum_mm2 / was.samples;
+                arcs.push(ArcGain {
+                    gained_mm2: mean_mm2 * is.samples - is.sum_mm2,
+                    there_mm2: (mean_mm2 - least_mm2) * is.samples,
+                });
             }
-            gains.push(RunGain {
+            let something = there_mm2 > NOTHING * was_mm2;
+            let foretold = foretold[index].is_some() || all.is_none();
+            let share = || ((was_mm2 - is_mm2) / there_mm2).clamp(0.0, 1.0);
+            runs.push(RunGain {
                 run: run.name.clone(),
-                samples: range.len(),
-                before_mm: was.sqrt(),
-                after_mm: is.sqrt(),
-                floor_mm: floor.max(0.0).sqrt(),
-                explained: (there > NOTHING * was).then(|| (was - is) / there),
+                samples: run.samples.len(),
+                before_mm: was_mm2.sqrt(),
+                after_mm: is_mm2.sqrt(),
+                floor_mm: floor_mm2.map(f64::sqrt),
+                explained: (foretold && something).then(share),
             });
         }
     }
-    (gains, arcs)
+    if foretold.iter().any(Option::is_none) {
+        arcs.clear();
+    }
+    let effects = all.map_or(0, |all| all.elements.len());
+    let gained_mm2 = |k: usize| -> f64 {
+        let of = |out: &LeftOut| out.gained_mm2[k];
+        if repeats > 1 { foretold.iter().flatten().map(of).sum() } else { f64::INFINITY }
+    };
+    let least = (0..effects).min_by(|a, b| gained_mm2(*a).total_cmp(&gained_mm2(*b)));
+    let mean_mm2 = |of: &Residuals, column: &Column| column.square() / of.samples().max(1) as f64;
+    let worse = mean_mm2(residuals, &after_mm) >= mean_mm2(before, &before.model_mm);
+    let harmful = least.filter(|k| worse || gained_mm2(*k) <= 0.0);
+    Gains { runs, arcs, harmful }
+}
+
+/// Sum of squares on one arc of one run.
+#[derive(Debug, Clone, Copy, Default)]
+struct OnArc {
+    sum_mm2: f64,
+    samples: f64,
+}
+
+/// Sums of squares by repeat, run and section of its program.
+fn by_arc(residuals: &Residuals, left_mm: &Column) -> BTreeMap<(usize, usize, usize), OnArc> {
+    let mut arcs: BTreeMap<_, OnArc> = BTreeMap::new();
+    for (index, repeat) in residuals.repeats.iter().enumerate() {
+        for (sample, left_mm) in repeat.samples.iter().zip(&left_mm[index]) {
+            let arc = arcs.entry((index, sample.run, sample.section)).or_default();
+            arc.sum_mm2 += left_mm * left_mm;
+            arc.samples += 1.0;
+        }
+    }
+    arcs
 }
 
 /// What the runs of each program share of what the model leaves.
@@ -173,13 +250,14 @@ pub(crate) fn explained(arcs: &[ArcGain]) -> Option<Explained> {
         let aside = NORMAL_95 * ((count - 1.0) / count * squares).sqrt();
         [share - aside, share + aside]
     });
+    let shares = |ends: [f64; 2]| ends.map(|end| end.clamp(0.0, 1.0));
     // Where all that was there is on one arc, the others say nothing of the share.
     let finite = |interval: &[f64; 2]| interval.iter().all(|end| end.is_finite());
-    Some(Explained { share, interval: interval.filter(finite) })
+    Some(Explained { share: share.min(1.0), interval: interval.filter(finite).map(shares) })
 }
 
-/// The gain on the runs of each program, from those of all others.
-pub(crate) fn by_program(alone: &Beside, all: &Fitted) -> Vec<ProgramGain> {
+/// The gain on the runs of each program, from those of all others; `without` is what the model alone leaves.
+pub(crate) fn by_program(without: &Residuals, alone: &Beside, all: &Fitted) -> Vec<ProgramGain> {
     let residuals = alone.residuals;
     let driven: Vec<Vec<usize>> = residuals
         .repeats
@@ -194,14 +272,16 @@ pub(crate) fn by_program(alone: &Beside, all: &Fitted) -> Vec<ProgramGain> {
     }
     let gains = programs.iter().map(|program| {
         let out: Vec<bool> = driven.iter().map(|of_repeat| of_repeat == program).collect();
-        let left = left_out(alone, all, &out)?;
-        let (mut before, mut after, mut samples) = (0.0, 0.0, 0.0_f64);
+        let left = left_out(alone, all, &out)?.left_mm;
+        let (mut before, mut after) = (0.0, 0.0);
+        let (mut samples_before, mut samples) = (0.0_f64, 0.0_f64);
         let mut runs = Vec::new();
         let mut fastest = 0.0_f64;
         for (index, repeat) in residuals.repeats.iter().enumerate().filter(|(k, _)| out[*k]) {
-            let (was, is) = (&residuals.model_mm[index], &left[index]);
+            let (was, is) = (&without.model_mm[index], &left[index]);
             before += dot(was, was);
             after += dot(is, is);
+            samples_before += was.len() as f64;
             samples += is.len() as f64;
             runs.extend(repeat.runs.iter().map(|run| run.name.clone()));
             let speeds = repeat.samples.iter().map(|s| s.situation.motion.velocity_mm_s.norm());
@@ -210,7 +290,7 @@ pub(crate) fn by_program(alone: &Beside, all: &Fitted) -> Vec<ProgramGain> {
         Some(ProgramGain {
             runs,
             feed_mm_min: (60.0 * fastest).round(),
-            before_mm: (before / samples.max(1.0)).sqrt(),
+            before_mm: (before / samples_before.max(1.0)).sqrt(),
             after_mm: (after / samples.max(1.0)).sqrt(),
         })
     });

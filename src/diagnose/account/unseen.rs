@@ -10,9 +10,15 @@ use crate::residual::{Beside, Element, System};
 /// Names in one sentence; more are counted.
 const MOST_NAMES: usize = 12;
 
-/// Sentences about what these runs cannot see; `ran_twice` says whether any program did.
-pub(crate) fn unseen(alone: &Beside, campaign: &Campaign, ran_twice: bool) -> Vec<String> {
-    [by_the_fit(alone, campaign), by_the_runs_alone(campaign, ran_twice)].concat()
+/// Sentences about what these runs cannot see; `ran_twice` says whether any program did, `found` whether any effect was
+/// found.
+pub(crate) fn unseen(
+    alone: &Beside,
+    campaign: &Campaign,
+    ran_twice: bool,
+    found: bool,
+) -> Vec<String> {
+    [by_the_fit(alone, campaign), by_the_runs_alone(campaign, ran_twice, found)].concat()
 }
 
 /// Causes of which the fit of the model leaves nothing.
@@ -49,7 +55,7 @@ fn by_the_fit(alone: &Beside, campaign: &Campaign) -> Vec<String> {
 }
 
 /// What the number of runs, feeds and mountings alone hides.
-fn by_the_runs_alone(campaign: &Campaign, ran_twice: bool) -> Vec<String> {
+fn by_the_runs_alone(campaign: &Campaign, ran_twice: bool, found: bool) -> Vec<String> {
     let mut sentences = Vec::new();
     if campaign.repeats.len() == 1 {
         sentences.push(
@@ -58,7 +64,9 @@ fn by_the_runs_alone(campaign: &Campaign, ran_twice: bool) -> Vec<String> {
     }
     if !ran_twice {
         sentences.push(
-            "No program ran twice: the repeatable part of the residual cannot be distinguished from slow noise. The part that is not repeatable is taken from the fit.".to_owned(),
+            "No program ran twice: the repeatable part of the residual cannot be distinguished from slow noise."
+                .to_owned()
+                + if found { "" } else { " The part that is not repeatable is taken from the fit." },
         );
     }
     let feeds: BTreeSet<i64> = campaign

@@ -75,7 +75,10 @@ fn fit(about: &Beside, elements: &[Element]) -> Option<Fitted> {
         residual::fit(about, elements)
     });
     let tried: Vec<Fitted> = tried.collect();
-    tried.into_iter().chain([fitted]).max_by(|a, b| a.gain_mm2.total_cmp(&b.gain_mm2))
+    let best = tried.into_iter().max_by(|a, b| a.gain_mm2.total_cmp(&b.gain_mm2));
+    // One that explains no more stays as the model has it.
+    let least_mm2 = fitted.gain_mm2 * (1.0 + SETTLED);
+    Some(best.filter(|best| best.gain_mm2 > least_mm2).unwrap_or(fitted))
 }
 
 /// The effects with their amplitudes at the samples of other residuals than they were fitted to, mm.
@@ -93,33 +96,20 @@ fn sum(fitted: &Fitted, about: &Residuals) -> Column {
 fn held(campaign: &Campaign, fitted: &Fitted) -> Vec<Vec<HeldEffect>> {
     let mut held: Vec<Vec<HeldEffect>> = vec![Vec::new(); campaign.repeats.len()];
     for (element, amplitudes) in fitted.elements.iter().zip(&fitted.amplitudes) {
-        let count = element.term().parameter_count();
-        let mut own = amplitudes.chunks(count);
-        for (index, repeat) in campaign.repeats.iter().enumerate() {
-            let mountings = repeat.runs.iter().map(|run| run.mounting + 1).max().unwrap_or(0);
-            for (run, input) in repeat.runs.iter().enumerate() {
-                let mut by_mounting = vec![Vec::new(); mountings];
-                by_mounting[input.mounting] = of_run(element, index, run, amplitudes, &mut own);
-                let form = element.in_run(index, run);
-                held[index].push(HeldEffect { form, amplitudes: by_mounting });
+        let mut hold = |repeat: usize, run: Option<usize>, amplitudes: &[f64]| {
+            let form = element.in_run(repeat, run.unwrap_or(0));
+            held[repeat].push(HeldEffect { form, amplitudes: amplitudes.to_vec(), run });
+        };
+        match element.owner {
+            Owner::All => (0..campaign.repeats.len()).for_each(|k| hold(k, None, amplitudes)),
+            Owner::One { repeat, run } => hold(repeat, Some(run), amplitudes),
+            Owner::EachRun => {
+                let runs = campaign.repeats.iter().enumerate();
+                let runs = runs.flat_map(|(k, repeat)| (0..repeat.runs.len()).map(move |r| (k, r)));
+                let own = amplitudes.chunks(element.term().parameter_count());
+                runs.zip(own).for_each(|((k, run), own)| hold(k, Some(run), own));
             }
         }
     }
     held
-}
-
-/// The amplitudes that one run has; `own` goes on from run to run.
-fn of_run(
-    element: &Element,
-    repeat: usize,
-    run: usize,
-    all: &[f64],
-    own: &mut std::slice::Chunks<'_, f64>,
-) -> Vec<f64> {
-    match element.owner {
-        Owner::All => all.to_vec(),
-        Owner::EachRun => own.next().unwrap_or_default().to_vec(),
-        Owner::One { repeat: its, run: of } if (its, of) == (repeat, run) => all.to_vec(),
-        Owner::One { .. } => Vec::new(),
-    }
 }

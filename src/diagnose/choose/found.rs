@@ -3,7 +3,7 @@
 use serde::{Serialize, Serializer};
 
 use crate::model::Shape;
-use crate::residual::{Element, Fitted};
+use crate::residual::{self, Beside, Element, Fitted};
 
 /// Another explanation of the same.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -50,4 +50,15 @@ pub(crate) struct Chosen {
     pub(crate) fitted: Fitted,
     /// Other explanations of each element.
     pub(crate) rivals: Vec<Vec<Rival>>,
+}
+
+impl Chosen {
+    /// Without one of the effects, the others fitted anew; `None` where nothing is left of them.
+    pub(crate) fn without(&self, effect: usize, alone: &Beside) -> Option<Self> {
+        let others = |index: &usize| *index != effect;
+        let kept: Vec<usize> = (0..self.fitted.elements.len()).filter(others).collect();
+        let elements = kept.iter().map(|&k| self.fitted.elements[k].clone()).collect();
+        let fitted = if kept.is_empty() { None } else { residual::fit(alone, elements) }?;
+        Some(Self { fitted, rivals: kept.iter().map(|&k| self.rivals[k].clone()).collect() })
+    }
 }

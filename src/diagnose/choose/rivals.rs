@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use super::found::{Rival, Separation};
 use super::search::Search;
 use crate::diagnose::thresholds::{ONE_NUMBER, SAME, UNDECIDED_SIGMAS, threshold_mm2};
-use crate::model::{Component, Inner, Seat, Start};
+use crate::model::{Component, Inner, Law, Seat, Start};
 use crate::residual::{self, Column, Element, Fitted, Noise};
 
 impl Search<'_> {
@@ -98,8 +98,10 @@ fn alike(a: &Element, b: &Element) -> bool {
     let (Some(a), Some(b)) = (a.shape(), b.shape()) else { return false };
     // Long time constants are one straight line.
     let straight = matches!(a.law().inner(), Some(Inner { start: Start::TimeConstants(..), .. }));
+    // Another delay that all slides share is another estimate of the first one.
+    let shared = matches!(a.law(), Law::Corner(_));
     let near = match (a.inner, b.inner) {
-        (Some(x), Some(y)) => (x / y - 1.0).abs() < ONE_NUMBER || straight,
+        (Some(x), Some(y)) => (x / y - 1.0).abs() < ONE_NUMBER || straight || shared,
         _ => true,
     };
     a.cause == b.cause && a.seat == b.seat && near

@@ -39,8 +39,14 @@ impl Search<'_> {
             fitted = stands;
             rivals = (0..fitted.elements.len()).map(|k| self.rivals(&fitted, k).1).collect();
         }
-        let (fitted, order) = self.by_size(fitted);
-        let rivals = order.into_iter().map(|k| std::mem::take(&mut rivals[k])).collect();
+        let (sorted, order) = self.by_size(fitted);
+        let count = sorted.elements.len();
+        let fitted = self.beyond_chance(sorted)?;
+        let rivals = if fitted.elements.len() == count {
+            order.into_iter().map(|k| std::mem::take(&mut rivals[k])).collect()
+        } else {
+            (0..fitted.elements.len()).map(|k| self.rivals(&fitted, k).1).collect()
+        };
         Some(Chosen { fitted, rivals })
     }
 

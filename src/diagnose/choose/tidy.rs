@@ -16,7 +16,31 @@ impl Search<'_> {
         let fitted = self.without_makeshifts(fitted);
         // A curve that has joined may leave more beside itself that only mends it.
         let fitted = self.without_makeshifts(fitted);
-        self.without_shadows(fitted)
+        let fitted = self.without_shadows(fitted)?;
+        self.beyond_chance(fitted)
+    }
+
+    /// Without what gains no more than chance, or too little to be named, now that the others stand beside it: an effect
+    /// may have been the best of its step and nothing after the next ones. The least goes first.
+    pub(crate) fn beyond_chance(&self, fitted: Fitted) -> Option<Fitted> {
+        let mut fitted = fitted;
+        loop {
+            let least_mm2 = threshold_mm2(&self.beside(Some(&fitted)));
+            let without = |k: usize| {
+                let mut others = fitted.elements.clone();
+                others.remove(k);
+                let rest = self.fit_others(others);
+                let gained = rest.as_ref().map_or(0.0, |rest| rest.gain_mm2);
+                let own_mm2 = (fitted.gain_mm2 - gained).min(fitted.part_mm2(k, self.residuals()));
+                (own_mm2, rest)
+            };
+            let weakest = (0..fitted.elements.len()).map(without);
+            let (own_mm2, rest) = weakest.min_by(|a, b| a.0.total_cmp(&b.0))?;
+            if own_mm2 >= least_mm2 {
+                return Some(fitted);
+            }
+            fitted = rest?;
+        }
     }
 
     /// Causes in place of curves, where they explain as much.

@@ -2,7 +2,9 @@
 
 use serde::Serialize;
 
-use crate::align::TimeMap;
+use crate::align::Alignment;
+use crate::machine::Axis;
+use crate::model::HeldEffect;
 use crate::report::text::numbers::finite;
 
 /// How the control drove, as far as the log tells.
@@ -24,16 +26,29 @@ pub struct ControlResult {
 }
 
 impl ControlResult {
-    /// From the time map of a run.
-    pub(super) fn of(map: &TimeMap) -> Self {
+    /// From the time map of a run and the following errors that were found: what these took over the map has no more.
+    pub(super) fn of(alignment: &Alignment, held: &[HeldEffect], run: usize) -> Self {
+        let map = &alignment.time_map;
+        let found: Vec<&HeldEffect> = held.iter().filter(|effect| effect.is_in(run)).collect();
+        let of = |axis: Option<Axis>| -> f64 {
+            found.iter().filter_map(|of| of.follows_later_s(axis)).fold(0.0, |sum, s| sum + s)
+        };
+        let moving = alignment.moving;
+        let own_s = Axis::ALL.map(|axis| if moving[axis.index()] { of(Some(axis)) } else { 0.0 });
+        let count = moving.iter().filter(|moves| **moves).count().max(1) as f64;
+        let mean_own_s = own_s.iter().sum::<f64>() / count;
+        let later_s = Axis::ALL.map(|axis| {
+            let k = axis.index();
+            map.delays_s[k] + if moving[k] { own_s[k] - mean_own_s } else { 0.0 }
+        });
         let stood = map.breaks().iter().zip(map.stood_s()).filter(|(at, _)| !at.operator);
         let stood_s: Vec<f64> = stood.filter_map(|(_, stood_s)| stood_s).collect();
         let mean_s = stood_s.iter().sum::<f64>() / stood_s.len().max(1) as f64;
         let ms = |s: f64| s * 1e3 + 0.0;
         Self {
-            following_ms: ms(map.following_s),
+            following_ms: ms(map.following_s + of(None)),
             following_sigma_ms: finite(ms(map.following_sigma_s)),
-            later_ms: map.delays_s.map(ms).into(),
+            later_ms: later_s.map(ms),
             later_sigma_ms: map.delay_sigmas_s.map(ms).into(),
             standstill_longer_ms: (!stood_s.is_empty()).then(|| ms(mean_s)),
             standstill_longest_ms: stood_s.iter().copied().reduce(f64::max).map(ms),

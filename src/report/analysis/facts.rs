@@ -43,6 +43,9 @@ pub struct Analysis {
     pub machine_errors: MachineErrors,
     /// What the model gets wrong; `None` where nobody looked.
     pub diagnosis: Option<DiagnosisFacts>,
+    /// The numbers without what was found; `None` where nothing was, or nobody looked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub before: Option<Box<Before>>,
     /// What a reader should know before he believes the numbers.
     pub cautions: Vec<String>,
 }
@@ -71,6 +74,21 @@ impl Analysis {
     pub fn over_repeats(&self, name: &str) -> Option<&MeanResult> {
         self.over_repeats.iter().find(|mean| mean.name == name)
     }
+}
+
+/// The numbers without what was found, of the same form as those with it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Before {
+    /// One entry a repeat.
+    pub repeats: Vec<RepeatResult>,
+    /// Every parameter over the repeats.
+    pub over_repeats: Vec<MeanResult>,
+    /// What people ask of the machine, at the place of the test.
+    pub at_the_place: Vec<PlaceResult>,
+    /// Squareness, scale and reversal errors as single coefficients say them.
+    pub machine_errors: MachineErrors,
+    /// What was to be known before believing these numbers.
+    pub cautions: Vec<String>,
 }
 
 /// The test.

@@ -11,7 +11,7 @@ use super::{cautions, means, place};
 use crate::align::{Mark, MarkKind, TimeMap};
 use crate::identify::{self, Campaign, Estimate, Identification, IdentifiedRun, Record};
 use crate::machine::{Axis, Machine, Pivot};
-use crate::model::Parameter;
+use crate::model::{HeldEffect, Parameter};
 use crate::plan::{BallBar, Run, Test};
 use crate::report::text::numbers::{finite, without_dust};
 use crate::solve::Matrix;
@@ -33,7 +33,10 @@ impl Analysis {
         let repeats: Vec<RepeatResult> = identifications
             .iter()
             .enumerate()
-            .map(|(index, identification)| repeat(index, identification, &mut runs))
+            .map(|(index, identification)| {
+                let held = campaign.held.get(index).map_or(&[][..], Vec::as_slice);
+                repeat(index, identification, held, &mut runs)
+            })
             .collect();
         let over_repeats = means::of(identifications);
         let mut analysis = Self {
@@ -51,10 +54,11 @@ impl Analysis {
             repeats,
             over_repeats,
             diagnosis: None,
+            before: None,
             cautions: Vec::new(),
         };
         // What speaks against the fit itself comes before what speaks for caution in reading it.
-        let of_fits = identifications.iter().flat_map(|repeat| repeat.cautions.iter().cloned());
+        let of_fits = campaign.cautions().into_iter().map(str::to_owned);
         let implausible = identifications.first().and_then(place::implausible);
         analysis.cautions = of_fits.chain(implausible).chain(cautions::of(&analysis)).collect();
         analysis
@@ -125,16 +129,23 @@ impl<'a> StatedRuns<'a> {
     }
 }
 
-fn repeat(index: usize, from: &Identification, stated: &mut StatedRuns<'_>) -> RepeatResult {
+fn repeat(
+    index: usize,
+    from: &Identification,
+    held: &[HeldEffect],
+    stated: &mut StatedRuns<'_>,
+) -> RepeatResult {
     let parameters: Vec<Parameter> = from.estimates.iter().map(|e| e.parameter.clone()).collect();
     let mut number = None;
     let runs: Vec<RunResult> = from
         .runs
         .iter()
-        .map(|run| {
+        .enumerate()
+        .map(|(place, run)| {
             let of_file = stated.take(&run.name);
             number = number.or(of_file.map(|run| run.repeat));
-            run_result(run, of_file, stated.mounting(run.mounting))
+            let control = ControlResult::of(&run.alignment, held, place);
+            run_result(run, control, of_file, stated.mounting(run.mounting))
         })
         .collect();
     RepeatResult {
@@ -206,7 +217,12 @@ fn counts(records: &[Record]) -> SampleCounts {
     SampleCounts { used: taking_part - rejected, rejected, not_used: records.len() - taking_part }
 }
 
-fn run_result(run: &IdentifiedRun, stated: Option<&Run>, mounting: String) -> RunResult {
+fn run_result(
+    run: &IdentifiedRun,
+    control: ControlResult,
+    stated: Option<&Run>,
+    mounting: String,
+) -> RunResult {
     let alignment = &run.alignment;
     let map = &alignment.time_map;
     let first_s = alignment.engagements.first().map_or(0.0, |engagement| engagement.start_s);
@@ -234,7 +250,7 @@ fn run_result(run: &IdentifiedRun, stated: Option<&Run>, mounting: String) -> Ru
         averaged: alignment.averaged,
         marks: alignment.marks.iter().map(|mark| mark_result(mark, map)).collect(),
         pauses: pauses(map),
-        control: ControlResult::of(map),
+        control,
         residual_rms_um: identify::rms_mm(run) * 1e3,
         samples: counts(&run.records),
         arcs: arcs(run),

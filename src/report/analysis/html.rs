@@ -7,14 +7,15 @@ use super::cautions::DETERMINED;
 use super::facts::{Analysis, RepeatResult, RunResult};
 use super::figures::{self, Figure, RunPicture};
 use super::means::MeanResult;
+use super::shown::Shown;
 use super::{place, terminal, traces, verdict};
 use crate::error::{Error, Kind, Result};
-use crate::identify::Identification;
 use crate::report::diagnosis;
 use crate::report::text::numbers::{count, fixed, many, signed, typeset};
 use crate::report::text::units::{engineering, row_decimals};
 use crate::report::text::words::{fine, list};
 
+#[allow(clippy::struct_excessive_bools)] // what a page shows or not
 #[derive(Template)]
 #[template(path = "report.html")]
 struct Page<'a> {
@@ -24,16 +25,17 @@ struct Page<'a> {
     facts: Vec<(&'static str, String)>,
     coefficients: Vec<Vec<CoefficientRow>>,
     repeated: bool,
-    at_the_place: Vec<[String; 6]>,
+    extended: bool,
+    at_the_place: Vec<[String; 7]>,
     unseen: String,
-    squareness: Vec<[String; 5]>,
-    scale: Vec<[String; 4]>,
-    reversal: Vec<[String; 5]>,
+    squareness: Vec<[String; 6]>,
+    scale: Vec<[String; 5]>,
+    reversal: Vec<[String; 6]>,
     several_mountings: bool,
-    runs: Vec<[String; 8]>,
+    runs: Vec<[String; 9]>,
     arcs: Vec<ArcRow>,
     confounded: Vec<String>,
-    noise: Vec<[String; 6]>,
+    noise: Vec<[String; 7]>,
     pauses: Vec<(String, String)>,
     pictures: Vec<RunPicture>,
     polar: Vec<Vec<Figure>>,
@@ -51,6 +53,7 @@ struct CoefficientRow {
     mean: String,
     sigma: String,
     deviation: String,
+    before: String,
     unit: &'static str,
     observed: String,
     determined: bool,
@@ -58,16 +61,16 @@ struct CoefficientRow {
 
 /// Renders the report. The same input gives the same bytes.
 ///
-/// `identifications` are those that `analysis` was made of, in the same order: tables come from the
+/// `shown` are the identifications that `analysis` was made of, in the same order: tables come from the
 /// one, curves from the others.
-pub fn render(analysis: &Analysis, identifications: &[Identification]) -> Result<String> {
+pub fn render(analysis: &Analysis, shown: Shown) -> Result<String> {
+    let identifications = shown.repeats;
     let circles = traces::circles(analysis, identifications);
-    let (polar, magnification) = figures::polar(&circles);
-    let distribution = figures::histogram(identifications).into_iter().chain(
-        analysis.repeats.first().zip(identifications.first()).and_then(
-            |(result, identification)| figures::autocorrelation(result, identification, analysis),
-        ),
-    );
+    let before = traces::circles(analysis, shown.before);
+    let (polar, magnification) = figures::polar(&circles, &before);
+    let distribution = figures::histogram(shown)
+        .into_iter()
+        .chain(analysis.repeats.first().and_then(|r| figures::autocorrelation(r, shown, analysis)));
     // The gravest of what the model gets wrong is part of the verdict.
     let wrong = analysis.diagnosis.iter().map(|diagnosis| &diagnosis.verdict.structure);
     let verdict = verdict::of(analysis);
@@ -80,22 +83,23 @@ pub fn render(analysis: &Analysis, identifications: &[Identification]) -> Result
         repeated: analysis.repeats.len() > 1,
         at_the_place: at_the_place(analysis),
         unseen: list(place::seen(&analysis.at_the_place).1),
+        extended: analysis.before.is_some(),
         squareness: squareness(analysis),
         scale: scale(analysis),
         reversal: reversal(analysis),
         several_mountings: analysis.several_mountings(),
-        runs: analysis.runs().map(run).collect(),
+        runs: analysis.runs_with_before().map(|(now, before)| run(now, before)).collect(),
         arcs: arc_table::rows(analysis),
         confounded: analysis.repeats.first().map_or_else(Vec::new, |r| r.confounded.clone()),
-        noise: analysis.repeats.iter().map(noise).collect(),
+        noise: noises(analysis),
         pauses: pauses(analysis),
         pictures: figures::runs(analysis, identifications),
         polar,
         magnification,
         set_up_taken_off: traces::set_up_taken_off(analysis, identifications),
         hysteresis: figures::hysteresis(analysis),
-        over_time: figures::against_time(analysis, identifications),
-        over_angle: figures::against_angle(&circles, identifications),
+        over_time: figures::against_time(analysis, shown),
+        over_angle: figures::against_angle(&circles, &before, shown),
         distribution: distribution.collect(),
         analysis,
     };
@@ -145,10 +149,11 @@ fn shown(value: Option<f64>, decimals: usize) -> String {
 fn coefficients(analysis: &Analysis) -> Vec<Vec<CoefficientRow>> {
     let half = analysis.over_repeats.len().div_ceil(2).max(1);
     let halves = analysis.over_repeats.chunks(half);
-    halves.map(|means| means.iter().map(coefficient).collect()).collect()
+    let row = |mean| coefficient(mean, analysis.mean_before(&mean.name));
+    halves.map(|means| means.iter().map(row).collect()).collect()
 }
 
-fn coefficient(mean: &MeanResult) -> CoefficientRow {
+fn coefficient(mean: &MeanResult, before: Option<&MeanResult>) -> CoefficientRow {
     let unit = engineering(mean.unit);
     let determined = mean.observed >= DETERMINED;
     let value = mean.mean * unit.factor;
@@ -159,6 +164,7 @@ fn coefficient(mean: &MeanResult) -> CoefficientRow {
         mean: shown(Some(value), decimals),
         sigma: shown(sigma, decimals),
         deviation: shown(mean.deviation.map(|d| d * unit.factor), decimals),
+        before: shown(before.map(|before| before.mean * unit.factor), decimals),
         unit: unit.fine,
         observed: terminal::observed(mean.observed),
         determined,
@@ -174,7 +180,7 @@ fn spread(value: Option<f64>, decimals: usize, observed: f64) -> String {
 }
 
 /// What people ask, with both uncertainties, where the machine was described where it was measured.
-fn at_the_place(analysis: &Analysis) -> Vec<[String; 6]> {
+fn at_the_place(analysis: &Analysis) -> Vec<[String; 7]> {
     let (seen, _) = place::seen(&analysis.at_the_place);
     seen.into_iter()
         .filter(|_| analysis.is_local())
@@ -187,12 +193,19 @@ fn at_the_place(analysis: &Analysis) -> Vec<[String; 6]> {
                 shown(result.all, places),
                 shown(result.deviation, places),
                 fine(&format!(" {}", result.unit)).trim().to_owned(),
+                earlier(analysis.place_before(&result.quantity).map(|b| b.value), places),
             ]
         })
         .collect()
 }
 
-fn squareness(analysis: &Analysis) -> Vec<[String; 5]> {
+/// A signed value as it was before anything was found.
+fn earlier(value: Option<f64>, decimals: usize) -> String {
+    value.map_or("–".into(), |value| typeset(&signed(value, decimals)))
+}
+
+fn squareness(analysis: &Analysis) -> Vec<[String; 6]> {
+    let before = analysis.errors_before();
     let rows = analysis.machine_errors.squareness.iter();
     rows.map(|s| {
         [
@@ -201,12 +214,14 @@ fn squareness(analysis: &Analysis) -> Vec<[String; 5]> {
             typeset(&signed(s.angle_minus_90_arcsec, 2)),
             spread(s.sigma_um_m, 2, s.observed),
             shown(s.deviation_um_m, 2),
+            earlier(before.and_then(|b| b.angle_um_m(&s.name)), 2),
         ]
     })
     .collect()
 }
 
-fn scale(analysis: &Analysis) -> Vec<[String; 4]> {
+fn scale(analysis: &Analysis) -> Vec<[String; 5]> {
+    let before = analysis.errors_before();
     let rows = analysis.machine_errors.scale.iter();
     rows.map(|s| {
         [
@@ -214,13 +229,15 @@ fn scale(analysis: &Analysis) -> Vec<[String; 4]> {
             typeset(&signed(s.value_um_m, 2)),
             spread(s.sigma_um_m, 2, s.observed),
             shown(s.deviation_um_m, 2),
+            earlier(before.and_then(|b| b.scale_um_m(&s.name)), 2),
         ]
     })
     .collect()
 }
 
-fn reversal(analysis: &Analysis) -> Vec<[String; 5]> {
+fn reversal(analysis: &Analysis) -> Vec<[String; 6]> {
     let errors = &analysis.machine_errors;
+    let before = analysis.errors_before();
     let displacements = errors.reversal.iter().map(|r| {
         [
             format!("{}, {}", r.name, r.kind),
@@ -228,6 +245,7 @@ fn reversal(analysis: &Analysis) -> Vec<[String; 5]> {
             format!("{} µm", typeset(&signed(r.coefficient_um, 3))),
             spread(r.sigma_um, 3, r.observed),
             shown(r.deviation_um, 3),
+            earlier(before.and_then(|b| b.step_um(&r.name)), 3),
         ]
     });
     let rotations = errors.angular_hysteresis.iter().map(|h| {
@@ -237,12 +255,13 @@ fn reversal(analysis: &Analysis) -> Vec<[String; 5]> {
             format!("{} µrad", typeset(&signed(h.coefficient_urad, 2))),
             spread(h.sigma_urad, 2, h.observed),
             shown(h.deviation_urad, 2),
+            earlier(before.and_then(|b| b.step_urad(&h.name)), 2),
         ]
     });
     displacements.chain(rotations).collect()
 }
 
-fn run(run: &RunResult) -> [String; 8] {
+fn run(run: &RunResult, before: Option<&RunResult>) -> [String; 9] {
     let rate_sigma =
         run.clock_rate_sigma_ppm.map_or(String::new(), |s| format!(" ± {}", fixed(s, 1)));
     let knob = &run.feed_override;
@@ -269,10 +288,17 @@ fn run(run: &RunResult) -> [String; 8] {
         ),
         fixed(run.residual_rms_um, 3),
         run.mounting.clone(),
+        shown(before.map(|before| before.residual_rms_um), 3),
     ]
 }
 
-fn noise(repeat: &RepeatResult) -> [String; 6] {
+fn noises(analysis: &Analysis) -> Vec<[String; 7]> {
+    let before = |k: usize| Some(analysis.before.as_ref()?.repeats.get(k)?.residual_rms_um);
+    let repeats = analysis.repeats.iter().enumerate();
+    repeats.map(|(k, repeat)| noise(repeat, before(k))).collect()
+}
+
+fn noise(repeat: &RepeatResult, before_um: Option<f64>) -> [String; 7] {
     let coefficients: Vec<String> =
         repeat.noise.autoregressive.iter().map(|phi| typeset(&fixed(*phi, 3))).collect();
     [
@@ -282,6 +308,7 @@ fn noise(repeat: &RepeatResult) -> [String; 6] {
         if coefficients.is_empty() { "white".into() } else { coefficients.join(", ") },
         repeat.noise.effective_samples.map_or("–".into(), |n| count(n.round() as usize)),
         count(repeat.samples.used),
+        shown(before_um, 3),
     ]
 }
 
@@ -346,13 +373,13 @@ mod tests {
         for set in sets {
             let fixture =
                 if set == "case-a" { fixture::diagnosed() } else { fixture::identified(set) };
-            let html = render(&fixture.analysis, &fixture.identifications).unwrap();
+            let html = render(&fixture.analysis, fixture.shown()).unwrap();
             check_balanced(&html);
             for part in ["http", "<script", "src=", "href=", "NaN", "url("] {
                 assert!(!html.contains(part), "{set}: {part}");
             }
             assert!(html.len() < MOST_BYTES, "{set}: {} bytes", html.len());
-            let again = render(&fixture.analysis, &fixture.identifications).unwrap();
+            let again = render(&fixture.analysis, fixture.shown()).unwrap();
             assert!(html == again, "{set}: the same input gives the same bytes");
         }
     }
@@ -362,7 +389,7 @@ mod tests {
         let fixture = fixture::identified("planar");
         let mut analysis = fixture.analysis.clone();
         analysis.test.name = "</h1><b>\"five\" & more".into();
-        let html = render(&analysis, &fixture.identifications).unwrap();
+        let html = render(&analysis, fixture.shown()).unwrap();
         check_balanced(&html);
         assert!(!html.contains("</h1><b>"));
     }

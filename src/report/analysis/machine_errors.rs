@@ -95,6 +95,26 @@ pub struct Hysteresis {
 pub(in crate::report) const ARCSEC_PER_RAD: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
 
 impl MachineErrors {
+    /// Squareness of this name, um/m.
+    pub(super) fn angle_um_m(&self, name: &str) -> Option<f64> {
+        self.squareness.iter().find(|s| s.name == name).map(|s| s.angle_minus_90_um_m)
+    }
+
+    /// Scale error of this name, um/m.
+    pub(super) fn scale_um_m(&self, name: &str) -> Option<f64> {
+        self.scale.iter().find(|s| s.name == name).map(|s| s.value_um_m)
+    }
+
+    /// Step at a reversal of this name, um.
+    pub(super) fn step_um(&self, name: &str) -> Option<f64> {
+        self.reversal.iter().find(|r| r.name == name).map(|r| r.step_um)
+    }
+
+    /// Step of a rotation at a reversal of this name, urad.
+    pub(super) fn step_urad(&self, name: &str) -> Option<f64> {
+        self.angular_hysteresis.iter().find(|h| h.name == name).map(|h| h.step_urad)
+    }
+
     /// Reads them out of the means over the repeats.
     pub(in crate::report) fn new(machine: &Machine, means: &[MeanResult]) -> Self {
         let mut errors = Self::default();

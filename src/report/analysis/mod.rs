@@ -4,6 +4,7 @@
 //! the page read it and nothing else. Curves are drawn from the identifications themselves.
 
 mod arc_table;
+mod before;
 pub(super) mod cautions;
 mod control;
 pub(super) mod facts;
@@ -15,6 +16,7 @@ pub(super) mod means;
 mod mountings;
 pub(super) mod place;
 pub(super) mod samples;
+pub(super) mod shown;
 pub(super) mod terminal;
 mod traces;
 mod verdict;

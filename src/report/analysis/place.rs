@@ -91,8 +91,13 @@ fn over_repeats(each: &[Vec<Answer>], k: usize) -> PlaceResult {
     let answers = || each.iter().filter_map(|answers| answers.get(k));
     let count = each.len() as f64;
     let mean = answers().map(|a| a.value).sum::<f64>() / count;
-    // Noise is another one every time, what a test leaves open is the same.
-    let noise = (answers().map(|a| a.noise.powi(2)).sum::<f64>()).sqrt() / count;
+    // Noise is another one every time; what a test leaves open is the same, and what is not known of effects.
+    let square = |of: &[f64]| of.iter().map(|c| c * c).sum::<f64>();
+    let own = answers().map(|a| a.noise.powi(2) - square(&a.in_common)).sum::<f64>();
+    let numbers = answers().map(|a| a.in_common.len()).max().unwrap_or(0);
+    let mean_of = |k: usize| answers().filter_map(|a| a.in_common.get(k)).sum::<f64>() / count;
+    let in_common: Vec<f64> = (0..numbers).map(mean_of).collect();
+    let noise = (own.max(0.0).sqrt() / count).hypot(square(&in_common).sqrt());
     let open = |a: &Answer| Some(a.all?.powi(2) - a.noise.powi(2));
     let open: Option<f64> = answers().map(open).sum();
     let all = open.map(|open| noise.hypot((open.max(0.0) / count).sqrt()));

@@ -1,5 +1,6 @@
 //! Aligned samples as CSV: what was read, where the machine was, and what became of it.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 
 use crate::align::{Alignment, Part, Sample};
@@ -13,15 +14,31 @@ x_mm,y_mm,z_mm,ball_x_mm,ball_y_mm,ball_z_mm,sense_x,sense_y,sense_z,deviation_u
 /// Columns that come with a fit.
 const FITTED: &str = ",predicted_um,residual_um,weight,used,rejected,whitened,not_used_because";
 
-/// Writes the samples of an identified run.
+/// Columns that come with what was found.
+const BEFORE: &str = ",predicted_before_um,residual_before_um";
+
+/// Writes the samples of an identified run, and what the model said of them `before` anything was found.
 ///
 /// `x_mm y_mm z_mm` are machine coordinates, `ball_*_mm` the tool ball relative to the workpiece ball,
 /// both as commanded; `angle_deg` is the angle on the sample's circle. A time that nothing tells has an
 /// empty `time_sigma_ms`. `whitened` is what the readings before it do not foretell of a residual, in standard
 /// deviations; a reading that took no part has none, and says why.
-pub fn write_samples(out: &mut impl Write, run: &IdentifiedRun) -> Result<()> {
-    let lines = run.records.iter().map(|r| aligned(&run.alignment, &r.sample) + &fitted(r));
-    write_lines(out, &format!("{ALIGNED}{FITTED}"), lines)
+pub fn write_samples(
+    out: &mut impl Write,
+    run: &IdentifiedRun,
+    before: Option<&IdentifiedRun>,
+) -> Result<()> {
+    let by_line: Option<BTreeMap<usize, &Record>> =
+        before.map(|before| before.records.iter().map(|r| (r.sample.line, r)).collect());
+    let earlier = |record: &Record| {
+        by_line.as_ref().map_or_else(String::new, |known| {
+            known.get(&record.sample.line).map_or_else(|| ",,".into(), |before| predicted(before))
+        })
+    };
+    let lines = run.records.iter();
+    let lines = lines.map(|r| aligned(&run.alignment, &r.sample) + &fitted(r) + &earlier(r));
+    let head = if before.is_some() { BEFORE } else { "" };
+    write_lines(out, &format!("{ALIGNED}{FITTED}{head}"), lines)
 }
 
 /// Writes every reading of a run that was aligned, without what a fit made of them.
@@ -85,11 +102,14 @@ fn aligned(alignment: &Alignment, sample: &Sample) -> String {
     .join(",")
 }
 
+fn predicted(record: &Record) -> String {
+    format!(",{},{}", fixed(record.computed_mm * 1e3, 4), fixed(record.residual_mm * 1e3, 4))
+}
+
 fn fitted(record: &Record) -> String {
     format!(
-        ",{},{},{},{},{},{},{}",
-        fixed(record.computed_mm * 1e3, 4),
-        fixed(record.residual_mm * 1e3, 4),
+        "{},{},{},{},{},{}",
+        predicted(record),
         fixed(record.weight, 4),
         u8::from(record.used()),
         u8::from(record.rejected()),
@@ -118,7 +138,7 @@ mod tests {
         let fixture = fixture::identified("hu40t-stops");
         let run = &fixture.identifications[0].runs[0];
         let mut bytes = Vec::new();
-        write_samples(&mut bytes, run).unwrap();
+        write_samples(&mut bytes, run, None).unwrap();
         let text = String::from_utf8(bytes).unwrap();
         assert_eq!(text.lines().count(), run.records.len() + 1);
         let columns = text.lines().next().unwrap().split(',').count();

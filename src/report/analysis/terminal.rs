@@ -83,10 +83,14 @@ pub fn runs_table(analysis: &Analysis) -> String {
             .map(str::to_owned)
             .to_vec(),
     ];
+    let extended = analysis.before.is_some();
+    if extended {
+        rows[0].insert(6, "before".to_owned());
+    }
     if several {
         rows[0].insert(1, "mounting".to_owned());
     }
-    for run in analysis.runs() {
+    for (run, before) in analysis.runs_with_before() {
         let mut row = vec![
             run.name.clone(),
             format!("{} s", fixed(run.engagement_log_s, 3)),
@@ -100,12 +104,16 @@ pub fn runs_table(analysis: &Analysis) -> String {
             format!("{} um", fixed(run.residual_rms_um, 3)),
             pauses(run),
         ];
+        if let Some(before) = before {
+            row.insert(6, format!("{} um", fixed(before.residual_rms_um, 3)));
+        }
         if several {
             row.insert(1, run.mounting.clone());
         }
         rows.push(row);
     }
-    table(&rows, if several { "llrrrrrl" } else { "lrrrrrl" })
+    let sides = if extended { "rrrrrrl" } else { "rrrrrl" };
+    table(&rows, &format!("{}{sides}", if several { "ll" } else { "l" }))
 }
 
 /// How the control drove in every run, as far as its log tells.
@@ -155,15 +163,20 @@ fn coefficients(analysis: &Analysis) -> String {
     } else {
         head[1] = "value";
     }
+    let extended = analysis.before.is_some();
+    if extended {
+        head.push("before");
+    }
     head.extend(["unit", "observed"]);
     let mut rows = vec![head.into_iter().map(str::to_owned).collect::<Vec<_>>()];
     for mean in &analysis.over_repeats {
-        rows.push(coefficient(mean, repeated));
+        rows.push(coefficient(mean, repeated, analysis));
     }
-    table(&rows, if repeated { "lrrrlr" } else { "lrrlr" })
+    let numbers = 2 + usize::from(repeated) + usize::from(extended);
+    table(&rows, &format!("l{}lr", "r".repeat(numbers)))
 }
 
-fn coefficient(mean: &MeanResult, repeated: bool) -> Vec<String> {
+fn coefficient(mean: &MeanResult, repeated: bool, analysis: &Analysis) -> Vec<String> {
     let unit = engineering(mean.unit);
     let value = mean.mean * unit.factor;
     let sigma = mean.sigma.map(|s| s * unit.factor);
@@ -174,6 +187,9 @@ fn coefficient(mean: &MeanResult, repeated: bool) -> Vec<String> {
     let mut row = vec![mean.name.clone(), fixed(value, decimals), shown(sigma)];
     if repeated {
         row.push(shown(mean.deviation.map(|d| d * unit.factor)));
+    }
+    if analysis.before.is_some() {
+        row.push(shown(analysis.mean_before(&mean.name).map(|before| before.mean * unit.factor)));
     }
     row.extend([unit.plain.to_owned(), observed(mean.observed)]);
     row
@@ -187,12 +203,27 @@ pub(super) fn observed(share: f64) -> String {
     format!("{} %", fixed((share * 1000.0).floor() / 10.0, 1))
 }
 
+/// The machine at the place of the test with what was found, below what was found; empty where nothing was.
+pub fn place_text(analysis: &Analysis) -> String {
+    if analysis.before.is_none() || !analysis.is_local() {
+        return String::new();
+    }
+    format!(
+        "\nThe machine at the place of the test, with what was found\n{}",
+        at_the_place(analysis)
+    )
+}
+
 /// What people ask, with both uncertainties.
 fn at_the_place(analysis: &Analysis) -> String {
     let repeated = analysis.repeats.len() > 1;
     let mut head = vec!["", "value", "noise", "all"];
     if repeated {
         head.push("repeats");
+    }
+    let extended = analysis.before.is_some();
+    if extended {
+        head.push("before");
     }
     head.push("unit");
     let mut rows = vec![head.into_iter().map(str::to_owned).collect::<Vec<_>>()];
@@ -209,10 +240,15 @@ fn at_the_place(analysis: &Analysis) -> String {
         if repeated {
             row.push(shown(result.deviation));
         }
+        if extended {
+            let before = analysis.place_before(&result.quantity);
+            row.push(before.map_or("-".into(), |before| signed(before.value, places)));
+        }
         row.push(result.unit.to_owned());
         rows.push(row);
     }
-    let mut text = table(&rows, if repeated { "lrrrrl" } else { "lrrrl" });
+    let numbers = 3 + usize::from(repeated) + usize::from(extended);
+    let mut text = table(&rows, &format!("l{}l", "r".repeat(numbers)));
     if !unseen.is_empty() {
         paragraph(&mut text, "  ", &format!("Not seen in this test: {}.", list(unseen)));
     }
@@ -221,25 +257,31 @@ fn at_the_place(analysis: &Analysis) -> String {
 
 fn machine_errors(analysis: &Analysis) -> String {
     let errors = &analysis.machine_errors;
+    let before = analysis.errors_before();
     let mut text = String::new();
     if !errors.squareness.is_empty() {
         text.push_str("\nSquareness (angle between the positive directions minus 90 deg)\n");
-        text.push_str(&squareness(errors));
+        text.push_str(&squareness(errors, before));
     }
     if !errors.scale.is_empty() {
         text.push_str("\nScale\n");
-        text.push_str(&scale(errors));
+        text.push_str(&scale(errors, before));
     }
     if !errors.reversal.is_empty() || !errors.angular_hysteresis.is_empty() {
         text.push_str(
             "\nReversal (step from negative to positive motion, twice the coefficient b)\n",
         );
-        text.push_str(&reversal(errors));
+        text.push_str(&reversal(errors, before));
     }
     text
 }
 
-fn squareness(errors: &MachineErrors) -> String {
+/// What a row was before anything was found, as its last cell; empty where nothing was.
+fn earlier(value: Option<f64>, decimals: usize) -> String {
+    value.map_or_else(String::new, |value| format!("before {}", signed(value, decimals)))
+}
+
+fn squareness(errors: &MachineErrors, before: Option<&MachineErrors>) -> String {
     let rows = errors.squareness.iter().map(|s| {
         vec![
             s.axes.to_owned(),
@@ -248,24 +290,26 @@ fn squareness(errors: &MachineErrors) -> String {
             format!("{} um/m", signed(s.angle_minus_90_um_m, 2)),
             format!("{} arcsec", signed(s.angle_minus_90_arcsec, 2)),
             spread(s.observed, s.sigma_um_m, s.deviation_um_m, "um/m", 2),
+            earlier(before.and_then(|b| b.angle_um_m(&s.name)), 2),
         ]
     });
-    table(&rows.collect::<Vec<_>>(), "lllrrl")
+    table(&rows.collect::<Vec<_>>(), "lllrrlr")
 }
 
-fn scale(errors: &MachineErrors) -> String {
+fn scale(errors: &MachineErrors, before: Option<&MachineErrors>) -> String {
     let rows = errors.scale.iter().map(|s| {
         vec![
             s.name.clone(),
             format!("{} um/m", signed(s.value_um_m, 2)),
             spread(s.observed, s.sigma_um_m, s.deviation_um_m, "um/m", 2),
+            earlier(before.and_then(|b| b.scale_um_m(&s.name)), 2),
         ]
     });
-    table(&rows.collect::<Vec<_>>(), "lrl")
+    table(&rows.collect::<Vec<_>>(), "lrlr")
 }
 
 /// Displacements and then rotations.
-fn reversal(errors: &MachineErrors) -> String {
+fn reversal(errors: &MachineErrors, before: Option<&MachineErrors>) -> String {
     let displacements = errors.reversal.iter().map(|r| {
         vec![
             r.name.clone(),
@@ -273,6 +317,7 @@ fn reversal(errors: &MachineErrors) -> String {
             format!("step {} um", signed(r.step_um, 3)),
             format!("b {} um", signed(r.coefficient_um, 3)),
             spread(r.observed, r.sigma_um, r.deviation_um, "um", 3),
+            earlier(before.and_then(|b| b.step_um(&r.name)), 3),
         ]
     });
     let rotations = errors.angular_hysteresis.iter().map(|h| {
@@ -282,9 +327,10 @@ fn reversal(errors: &MachineErrors) -> String {
             format!("step {} urad", signed(h.step_urad, 2)),
             format!("b {} urad", signed(h.coefficient_urad, 2)),
             spread(h.observed, h.sigma_urad, h.deviation_urad, "urad", 2),
+            earlier(before.and_then(|b| b.step_urad(&h.name)), 2),
         ]
     });
-    table(&displacements.chain(rotations).collect::<Vec<_>>(), "llrrl")
+    table(&displacements.chain(rotations).collect::<Vec<_>>(), "llrrlr")
 }
 
 /// Sigma of one repeat and deviation between them, in words; or that the value stands on one leg only.

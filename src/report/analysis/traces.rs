@@ -60,6 +60,11 @@ pub(super) struct OnCircle {
 }
 
 impl OnCircle {
+    /// Whether another one is the same in the same mounting.
+    pub(super) fn is_same(&self, other: &Self) -> bool {
+        self.mounting == other.mounting && self.circle.is_same(&other.circle)
+    }
+
     /// Whether anything was driven on its lower half.
     pub(super) fn whole(&self) -> bool {
         let lower = |angle: &f64| angle.sin() < -0.05;

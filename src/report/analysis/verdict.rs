@@ -12,12 +12,8 @@ pub(super) fn of(analysis: &Analysis) -> Vec<String> {
     let condition = analysis.repeats.iter().filter_map(|r| r.condition).fold(0.0, f64::max);
     let used: usize = analysis.repeats.iter().map(|r| r.samples.used).sum();
     let rejected: usize = analysis.repeats.iter().map(|r| r.samples.rejected).sum();
-    let squares: f64 = analysis
-        .repeats
-        .iter()
-        .map(|r| r.residual_rms_um.powi(2) * r.samples.used as f64)
-        .sum::<f64>();
-    let rms = (squares / used.max(1) as f64).sqrt();
+    let (rms, before) = analysis.residual_rms_um();
+    let before = before.map(|rms| format!(" (without what was found: {} um)", fixed(rms, 3)));
     vec![
         format!(
             "{} aligned in {}, worst time uncertainty {} ms.",
@@ -34,8 +30,9 @@ pub(super) fn of(analysis: &Analysis) -> Vec<String> {
             )
         },
         format!(
-            "Residual {} um rms over {}{}.",
+            "Residual {} um rms{} over {}{}.",
             fixed(rms, 3),
+            before.unwrap_or_default(),
             many(used, "sample"),
             if rejected > 0 { format!(", {rejected} rejected") } else { String::new() }
         ),

@@ -21,6 +21,9 @@ use crate::written::um;
 pub struct DiagnosisFacts {
     /// The verdict, a list of sentences, the gravest first.
     pub verdict: VerdictFacts,
+    /// Whether there are repeats to foretell each other.
+    #[serde(skip)]
+    pub foretold: bool,
     /// Whether nothing was found that these runs would show.
     pub nothing_found: bool,
     /// Root mean squares over all runs.
@@ -50,6 +53,11 @@ pub struct DiagnosisFacts {
 }
 
 impl DiagnosisFacts {
+    /// Whether of any run it is known what does not repeat.
+    pub(super) fn floors_known(&self) -> bool {
+        self.runs.iter().any(|run| run.floor_mm.is_some())
+    }
+
     /// As JSON: keys in fixed order, numbers at full precision, a final newline.
     ///
     /// # Errors

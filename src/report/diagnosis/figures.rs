@@ -118,8 +118,7 @@ pub(super) fn gains(facts: &DiagnosisFacts) -> Option<String> {
     if runs.is_empty() || runs.len() > MOST_RUNS {
         return None;
     }
-    let values =
-        runs.iter().flat_map(|run| [run.before_mm * UM, run.after_mm * UM, run.floor_mm * UM]);
+    let values = runs.iter().flat_map(|run| [run.before_mm, run.after_mm].map(|mm| mm * UM));
     let (_, high) = enclosing(values.chain([0.0]), 5);
     let slot = 84.0_f64.min(900.0 / runs.len() as f64);
     let width = (60.0 + slot * runs.len() as f64).max(240.0);
@@ -131,7 +130,9 @@ pub(super) fn gains(facts: &DiagnosisFacts) -> Option<String> {
         let from = k as f64;
         chart.bar(from + 0.14, from + 0.38, run.before_mm * UM, "bar was");
         chart.bar(from + 0.38, from + 0.62, run.after_mm * UM, "bar");
-        chart.bar(from + 0.62, from + 0.86, run.floor_mm * UM, "bar least");
+        if let Some(floor_mm) = run.floor_mm {
+            chart.bar(from + 0.62, from + 0.86, floor_mm * UM, "bar least");
+        }
         let name = if fit { run.run.clone() } else { fixed(from + 1.0, 0) };
         chart.below(from + 0.5, &name);
     }

@@ -41,7 +41,8 @@ impl DiagnosisFacts {
             .map(|wrong| WrongSettingFacts::new(wrong, machine))
             .collect();
         Self {
-            verdict: VerdictFacts::new(diagnosis, &wrong_settings),
+            verdict: VerdictFacts::new(diagnosis, &wrong_settings, rms_mm(identifications)),
+            foretold: identifications.len() > 1,
             nothing_found: diagnosis.nothing_found(),
             of_all: diagnosis.verdict,
             findings: findings.collect(),
@@ -56,6 +57,13 @@ impl DiagnosisFacts {
             left_out: diagnosis.left_out.clone(),
         }
     }
+}
+
+/// What fits left, root mean square.
+fn rms_mm(identifications: &[Identification]) -> f64 {
+    let used: usize = identifications.iter().map(|of| of.used).sum();
+    let squares: f64 = identifications.iter().map(|of| of.rms_mm.powi(2) * of.used as f64).sum();
+    (squares / used.max(1) as f64).sqrt()
 }
 
 fn finding(
@@ -95,6 +103,9 @@ fn finding(
 
 /// `Cyclic error of a screw, EXX (positioning of X)`.
 fn title(of: &Finding, on: Option<Seat>) -> String {
+    if of.element.is_common_delay() {
+        return "Following error that all axes share".into();
+    }
     let what = of.element.shape().map_or("unexplained", |shape| shape.cause.title);
     match on.map(words::seat) {
         Some(on) if !on.is_empty() => format!("{}, {on}", capital(what)),

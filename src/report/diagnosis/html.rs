@@ -94,7 +94,7 @@ fn runs(facts: &DiagnosisFacts) -> Vec<[String; 6]> {
             run.run.clone(),
             fixed(run.before_mm * UM, 3),
             fixed(run.after_mm * UM, 3),
-            fixed(run.floor_mm * UM, 3),
+            run.floor_mm.map_or("–".into(), |floor_mm| fixed(floor_mm * UM, 3)),
             run.explained.map_or("–".into(), |share| format!("{} %", percent(share))),
         ]
     });

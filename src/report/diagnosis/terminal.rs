@@ -138,7 +138,8 @@ pub(super) fn others(finding: &FindingFacts) -> Vec<String> {
 }
 
 fn percent_of(rival: &Rival) -> String {
-    fixed(100.0 * rival.share, 1)
+    // One with more numbers may explain a little more, and is not named for that.
+    fixed(100.0 * rival.share.clamp(0.0, 1.0), 1)
 }
 
 fn gains(facts: &DiagnosisFacts) -> String {
@@ -146,21 +147,27 @@ fn gains(facts: &DiagnosisFacts) -> String {
     if facts.findings.is_empty() {
         return text;
     }
-    text.push_str(if facts.runs.len() > 1 {
+    text.push_str(if facts.foretold {
         "\nResidual of every run, with the effects as fitted to the other repeats, um rms\n"
     } else {
         "\nResidual, um rms\n"
     });
+    // What repeats is known where a program ran twice.
+    let known = facts.floors_known();
     let head = ["run", "before", "after", "not repeatable", "explained"];
+    let shown = if known { head.len() } else { 3 };
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for run in &facts.runs {
         rows.push(vec![
             run.run.clone(),
             fixed(run.before_mm * UM, 3),
             fixed(run.after_mm * UM, 3),
-            fixed(run.floor_mm * UM, 3),
+            run.floor_mm.map_or("-".into(), |floor_mm| fixed(floor_mm * UM, 3)),
             run.explained.map_or("-".into(), |share| format!("{} %", percent(share))),
         ]);
+    }
+    for row in &mut rows {
+        row.truncate(shown);
     }
     text.push_str(&table(&rows, "lrrrr"));
     if !facts.programs.is_empty() {

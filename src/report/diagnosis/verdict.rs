@@ -3,17 +3,21 @@
 use serde::{Serialize, Serializer};
 
 use super::settings::WrongSettingFacts;
-use crate::diagnose::{Diagnosis, Finding, OffCause, OffTime, Structure, Verdict};
+use crate::diagnose::{Diagnosis, Finding, OffCause, OffTime, Owner, Structure, Verdict};
 use crate::report::text::numbers::{fixed, many, percent};
 
 /// Structure of less than so many of its standard deviations may be chance.
 const BEYOND_CHANCE: f64 = 3.0;
+/// Two residuals are told apart that differ by more than this share: less is rounding and samples at the ends of arcs.
+const UNLIKE: f64 = 0.02;
 
 /// The verdict, sentence by sentence, in the order in which they are read: the gravest first.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct VerdictFacts {
     /// How much of the residual repeats, or is left.
     pub structure: String,
+    /// Where slides follow unlike, what the fit that lets them leaves; `None` where it leaves the same.
+    pub following: Option<String>,
     /// What the machine file or the test file states wrong, a sentence a setting.
     pub wrong_settings: Vec<String>,
     /// Runs whose feed or clock is not as stated, a sentence a run.
@@ -29,16 +33,22 @@ pub struct VerdictFacts {
 }
 
 impl VerdictFacts {
-    /// The verdict on a diagnosis with the settings that are stated wrong, in words.
-    pub(super) fn new(diagnosis: &Diagnosis, wrong_settings: &[WrongSettingFacts]) -> Self {
+    /// The verdict on a diagnosis with the settings that are stated wrong, in words; `fit_mm` is what the fit left, root
+    /// mean square.
+    pub(super) fn new(
+        diagnosis: &Diagnosis,
+        wrong_settings: &[WrongSettingFacts],
+        fit_mm: f64,
+    ) -> Self {
         let all = &diagnosis.verdict;
         let something = !diagnosis.findings.is_empty();
         Self {
             structure: structure(all, something),
+            following: following(all, fit_mm).filter(|_| something && wrong_settings.is_empty()),
             wrong_settings: wrong_settings.iter().map(setting).collect(),
             off_times: diagnosis.off_times.iter().map(off_time).collect(),
             found: something.then(|| found(&diagnosis.findings)),
-            explained: explained(all, diagnosis.runs.len()).filter(|_| something),
+            explained: explained(all).filter(|_| something && shared(diagnosis)),
             repaired: something.then(|| {
                 format!(
                     "After compensation or repair, the residual of {} um rms would be {} um rms.",
@@ -69,7 +79,8 @@ impl VerdictFacts {
 
     fn what_is_wrong(&self) -> impl Iterator<Item = &str> {
         let stated = self.wrong_settings.iter().chain(&self.off_times).map(String::as_str);
-        [self.structure.as_str()].into_iter().chain(stated).chain(self.found.as_deref())
+        let structure = [self.structure.as_str()].into_iter().chain(self.following.as_deref());
+        structure.chain(stated).chain(self.found.as_deref())
     }
 }
 
@@ -117,15 +128,32 @@ fn structure(all: &Verdict, something_found: bool) -> String {
     }
 }
 
-fn explained(all: &Verdict, runs: usize) -> Option<String> {
+/// Whether all that was found is in all runs alike: of what is one run's own nothing repeats.
+fn shared(diagnosis: &Diagnosis) -> bool {
+    diagnosis.findings.iter().all(|finding| finding.owner() == Owner::All)
+}
+
+/// `None` where no run was foretold from others, or nobody knows what repeats.
+fn explained(all: &Verdict) -> Option<String> {
     let [low, high] = all.explained_interval?;
+    all.structure_before?;
     Some(format!(
-        "Explained on {}: {} % of the repeatable part of the residual (95 % interval {} to {} %).",
-        if runs > 1 { "runs that were not fitted" } else { "the fitted run itself" },
+        "Explained on runs that were not fitted: {} % of the repeatable part of the residual (95 % interval {} to {} %).",
         percent(all.explained?),
         percent(low),
         percent(high)
     ))
+}
+
+fn following(all: &Verdict, fit_mm: f64) -> Option<String> {
+    let apart = all.before_mm - fit_mm;
+    (apart > UNLIKE * all.before_mm).then(|| {
+        format!(
+            "The residual of {} um rms counts a slide that follows later than another as an error. The fit lets them follow unlike and leaves {} um rms.",
+            um(all.before_mm),
+            um(fit_mm)
+        )
+    })
 }
 
 fn setting(of: &WrongSettingFacts) -> String {

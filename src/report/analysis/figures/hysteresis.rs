@@ -14,12 +14,16 @@ struct Bar<'a> {
     value: f64,
     spread: f64,
     observed: f64,
+    /// The value without what was found.
+    before: Option<f64>,
 }
 
 /// Displacements in um and rotations in urad, each where there are any.
 pub(in crate::report) fn hysteresis(analysis: &Analysis) -> Vec<Figure> {
     let spread = |sigma: Option<f64>, deviation: Option<f64>| deviation.or(sigma).unwrap_or(0.0);
     let errors = &analysis.machine_errors;
+    let before = analysis.errors_before();
+    let half = |step: f64| 0.5 * step;
     let displacements: Vec<Bar<'_>> = errors
         .reversal
         .iter()
@@ -28,6 +32,7 @@ pub(in crate::report) fn hysteresis(analysis: &Analysis) -> Vec<Figure> {
             value: r.coefficient_um,
             spread: spread(r.sigma_um, r.deviation_um),
             observed: r.observed,
+            before: before.and_then(|before| before.step_um(&r.name)).map(half),
         })
         .collect();
     let rotations: Vec<Bar<'_>> = errors
@@ -38,6 +43,7 @@ pub(in crate::report) fn hysteresis(analysis: &Analysis) -> Vec<Figure> {
             value: h.coefficient_urad,
             spread: spread(h.sigma_urad, h.deviation_urad),
             observed: h.observed,
+            before: before.and_then(|before| before.step_urad(&h.name)).map(half),
         })
         .collect();
     let bars = if analysis.repeats.len() > 1 {
@@ -54,12 +60,13 @@ pub(in crate::report) fn hysteresis(analysis: &Analysis) -> Vec<Figure> {
     .map(|(list, label, title, decimals)| Figure {
         svg: chart(&list, label, title, decimals),
         caption: format!(
-            "{title}: the coefficient b, half of the step at a reversal. {bars}{}",
+            "{title}: the coefficient b, half of the step at a reversal. {bars}{}{}",
             if list.iter().any(|bar| bar.observed < DETERMINED) {
                 " Hollow bars are not determined by the data."
             } else {
                 ""
-            }
+            },
+            if before.is_some() { " Grey: without what was found." } else { "" }
         ),
         tall: false,
     })
@@ -70,7 +77,7 @@ fn chart(bars: &[Bar<'_>], label: &str, title: &str, decimals: usize) -> String 
     let ends = bars.iter().flat_map(|bar| {
         let seen = bar.observed >= DETERMINED;
         let half = if seen { bar.spread } else { 0.0 };
-        [bar.value - half, bar.value + half, 0.0]
+        [bar.value - half, bar.value + half, bar.before.unwrap_or(0.0)]
     });
     let (low, high) = enclosing(ends, 6);
     // Room for the numbers above and below the bars.
@@ -83,6 +90,9 @@ fn chart(bars: &[Bar<'_>], label: &str, title: &str, decimals: usize) -> String 
         let (from, to) = (k as f64 + 0.27, k as f64 + 0.73);
         let middle = 0.5 * (from + to);
         let seen = bar.observed >= DETERMINED;
+        if let Some(before) = bar.before {
+            chart.bar(from - 0.16, from, before, "bar was");
+        }
         chart.bar(from, to, bar.value, if seen { "bar" } else { "bar hollow" });
         let half = if seen { bar.spread } else { 0.0 };
         if half > 0.0 {

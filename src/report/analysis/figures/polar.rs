@@ -10,8 +10,12 @@ use crate::report::draw::svg::thinned;
 const POINTS: usize = 500;
 const FAINT_POINTS: usize = 180;
 
-/// One polar plot a circle, a group a mounting, all at one magnification, and that in words.
-pub(in crate::report) fn polar(circles: &[OnCircle]) -> (Vec<Vec<Figure>>, String) {
+/// One polar plot a circle, a group a mounting, all at one magnification, and that in words. What was predicted `before`
+/// anything was found is grey.
+pub(in crate::report) fn polar(
+    circles: &[OnCircle],
+    before: &[OnCircle],
+) -> (Vec<Vec<Figure>>, String) {
     let values = || {
         circles
             .iter()
@@ -32,7 +36,7 @@ pub(in crate::report) fn polar(circles: &[OnCircle]) -> (Vec<Vec<Figure>>, Strin
         // A whole circle is as high as two halves.
         let halves = circles.iter().filter(|circle| !circle.whole()).count();
         let plot = |circle: &OnCircle| Figure {
-            svg: figure(circle, scale),
+            svg: figure(circle, before.iter().find(|before| before.is_same(circle)), scale),
             caption: String::new(),
             tall: halves > 1 && circle.whole(),
         };
@@ -43,7 +47,7 @@ pub(in crate::report) fn polar(circles: &[OnCircle]) -> (Vec<Vec<Figure>>, Strin
     (figures, scale.sentence(alike))
 }
 
-fn figure(circle: &OnCircle, scale: Magnification) -> String {
+fn figure(circle: &OnCircle, before: Option<&OnCircle>, scale: Magnification) -> String {
     let name = &circle.name;
     let spokes = match circle.circle {
         Circle::Equator => ["+X", "+Y", "−X", "−Y"],
@@ -57,6 +61,9 @@ fn figure(circle: &OnCircle, scale: Magnification) -> String {
     }
     for trace in circle.traces.iter().filter(|trace| trace.repeat == 0) {
         draw(&mut polar, trace, false, POINTS, "measured");
+    }
+    for trace in before.iter().flat_map(|of| &of.traces).filter(|trace| trace.repeat == 0) {
+        draw(&mut polar, trace, true, POINTS, "before");
     }
     for trace in circle.traces.iter().filter(|trace| trace.repeat == 0) {
         draw(&mut polar, trace, true, POINTS, "predicted");

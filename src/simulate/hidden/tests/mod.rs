@@ -161,7 +161,7 @@ fn every_cause_can_be_hidden_and_is_told_in_the_truth() {
         assert!(bent.readings != clean.readings, "{text}");
         assert!(bent == bench.run(&hidden), "the same seed, the same bits: {text}");
         assert!(bent.truth.iter().all(|point| point.exact_mm.is_finite()), "{text}");
-        let truth = truth_toml(&[TrueRun { log: "run1.csv", program: "T.nc", run: &bent }]);
+        let truth = truth_toml(&[TrueRun { log: "run1.csv", program: "T.nc", run: &bent }], &[]);
         let truth: toml::Table = toml::from_str(&truth).unwrap();
         assert_eq!(truth["effect"].as_str(), Some(text));
     }

@@ -1,0 +1,55 @@
+//! Logs that stand at each other's runs.
+
+use super::measured::MeasuredRun;
+use super::result::IdentifiedRun;
+use crate::error::{Error, Kind};
+use crate::machine::Machine;
+use crate::plan::Test;
+
+/// Two runs with the log of each at the other's program.
+fn exchanged(a: &MeasuredRun, b: &MeasuredRun) -> [MeasuredRun; 2] {
+    let with_log =
+        |of: &MeasuredRun, log: &MeasuredRun| MeasuredRun { log: log.log.clone(), ..of.clone() };
+    [with_log(a, b), with_log(b, a)]
+}
+
+/// A feed that is farther off than a control's own doing, as a share of 1.
+const OTHER_FEED: f64 = 0.02;
+
+/// Whether a run was driven at another feed than is stated.
+pub(super) fn at_another_feed(run: &IdentifiedRun) -> bool {
+    run.alignment.time_map.override_excess.abs() >= OTHER_FEED
+}
+
+/// Whether a log can be laid over its program at the feed that is stated.
+pub(super) fn as_stated(run: &MeasuredRun, test: &Test, machine: &Machine) -> bool {
+    let aligned = run.aligned(test, machine);
+    aligned.is_ok_and(|run| run.alignment.time_map.override_excess.abs() < OTHER_FEED)
+}
+
+/// Pairs of runs whose logs both fit the other's program, which is another one.
+pub(super) fn pairs(
+    runs: &[&MeasuredRun],
+    test: &Test,
+    machine: &Machine,
+) -> Vec<([usize; 2], [MeasuredRun; 2])> {
+    let of = |k: usize| (k + 1..runs.len()).map(move |l| [k, l]);
+    let mut pairs = Vec::new();
+    for [k, l] in (0..runs.len()).flat_map(of) {
+        let differ = runs[k].source != runs[l].source || runs[k].mounting != runs[l].mounting;
+        let both = differ.then(|| exchanged(runs[k], runs[l]));
+        let fits = |runs: &[MeasuredRun; 2]| runs.iter().all(|run| as_stated(run, test, machine));
+        pairs.extend(both.filter(fits).map(|both| ([k, l], both)));
+    }
+    pairs
+}
+
+/// The error: which, and why.
+pub(super) fn error(names: [&str; 2], why: &str, test: &Test) -> Error {
+    let [a, b] = names;
+    Error::new(
+        Kind::Mismatch,
+        format!("the logs of `{a}` and `{b}` stand at each other's run: {why}"),
+    )
+    .hint(format!("exchange the two `log = ...` in {}", test.file().display()))
+}

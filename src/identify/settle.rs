@@ -1,0 +1,213 @@
+//! Gauss-Newton: the steps of a fit until it comes to rest.
+
+use super::fit::{Fit, Outcome};
+use super::input::RunInput;
+use super::state::apart;
+use super::timing;
+use crate::align::TimeMap;
+use crate::error::{Error, Kind, Result};
+use crate::solve::{Solution, Triangle, Tsqr};
+
+/// Most Gauss-Newton steps, halvings among them; ten are usual.
+const MOST_STEPS: usize = 40;
+/// A step is the last that moves all parameters together by less than this part of a standard deviation, the root of what
+/// it should lower the sum of squares by, in units of the noise; or that lowered it by no more. Of a hundred parameters
+/// the noise moves them together by ten.
+const NEGLIGIBLE: f64 = 0.3;
+/// A fit whose last step still changes the computed readings by less than this part of what is left of them is a result
+/// all the same: vertices of a path that is driven otherwise than planned keep its times from settling for good.
+const NEARLY: f64 = 0.05;
+/// A step that makes the sum of squares more is halved; near its end, so often: vertices and reversals, which have no
+/// slope, leave nothing to gain there.
+const MOST_HALVINGS: i32 = 2;
+/// And anywhere: where a sixtieth of a step leads up, none leads down.
+const NO_WAY_DOWN: i32 = 6;
+/// The sum of squares may rise, but not above what it was so many steps ago: chords have valleys of their own, and the
+/// way out of one leads over its edge.
+const LATELY: usize = 5;
+/// During the first steps the samples that take part are chosen anew.
+const CHOOSING_STEPS: usize = 3;
+
+/// Where a fit stood before a step.
+struct Stand {
+    /// Root of the sum of squares there, in units of the noise.
+    misfit: f64,
+    /// The step from there.
+    step: Vec<f64>,
+    /// The solution that it comes from.
+    solution: Solution,
+    /// What is left of a reading after it, in units of the assumed noise.
+    scatter: f64,
+    /// Whether the step changes the computed readings by little of that.
+    near: bool,
+    values: Vec<f64>,
+    maps: Vec<TimeMap>,
+}
+
+impl Fit<'_> {
+    /// Gauss-Newton until the change is negligible.
+    pub(super) fn iterate(&mut self, detail: timing::Detail) -> Result<Outcome> {
+        let mut kept: Option<Stand> = None;
+        let mut halvings = 0;
+        let mut misfits: Vec<f64> = Vec::new();
+        let mut chosen_s = Vec::new();
+        for steps in 1..=MOST_STEPS {
+            // Chosen while the times still move, then held: a sample that comes and goes at a reversal
+            // would keep the fit from settling. One that has gone over a reversal is on the wrong side of it.
+            let choosing = steps <= CHOOSING_STEPS || self.moved_s(&chosen_s) > detail.guard_s();
+            if choosing {
+                self.state.apart = apart(&self.runs, detail.guard_s());
+                chosen_s = self.times_s();
+                kept = None;
+                misfits.clear();
+            }
+            let triangle = self.factor(detail)?;
+            let misfit = triangle.rhs_norm();
+            // What the last step lowered the sum of squares by.
+            let gained = kept.as_ref().map(|stand| stand.misfit.powi(2) - misfit.powi(2));
+            let negligible = (NEGLIGIBLE * self.state.correlated).powi(2);
+            let lately = misfits.iter().rev().take(LATELY).copied().fold(0.0, f64::max);
+            let worse = misfit.powi(2) > lately.powi(2) + negligible;
+            if let Some(stand) = kept.take_if(|_| worse) {
+                // A time that steps over a vertex of the path comes back with the next step, and so for ever: less far.
+                self.stand_at(&stand);
+                let enough = if stand.near { MOST_HALVINGS } else { NO_WAY_DOWN };
+                if halvings >= enough {
+                    return Ok(self.settled(stand, steps));
+                }
+                halvings += 1;
+                let share = 0.5_f64.powi(halvings);
+                let step: Vec<f64> = stand.step.iter().map(|step| share * step).collect();
+                self.apply(&step, &stand.solution);
+                kept = Some(stand);
+                continue;
+            }
+            let mut solution = self.spectrum(&triangle)?.solve(self.truncation(triangle.rows()));
+            self.refuse_deficient(&solution)?;
+            // While the times still move, nobody knows.
+            if detail == timing::Detail::Full && !choosing && self.stop_at_once(solution.x()) {
+                kept = None;
+                continue;
+            }
+            if let Some(bounded) = self.within_bounds(&triangle, solution.x())? {
+                solution = self.spectrum(&bounded)?.solve(self.truncation(triangle.rows()));
+            }
+            let step = solution.x().to_vec();
+            let change = triangle.r().times_vector(&step);
+            let change = change.iter().map(|c| c * c).sum::<f64>().sqrt();
+            let rows = triangle.rows() as f64;
+            // Rows are in units of the assumed noise: their rms corrects it.
+            let scatter = self.state.correlated * solution.residual_norm() / rows.sqrt();
+            let gains_nothing = gained.is_some_and(|g| g.abs() < negligible) && halvings == 0;
+            halvings = 0;
+            let near = detail == timing::Detail::Smooth || change < NEARLY * scatter * rows.sqrt();
+            let stand = self.stand(misfit, step, solution, scatter, near);
+            self.apply(&stand.step, &stand.solution);
+            let settled = !choosing || self.state.apart == apart(&self.runs, detail.guard_s());
+            if settled && (gains_nothing || change < NEGLIGIBLE * scatter.max(1e-12)) {
+                return Ok(self.settled(stand, steps));
+            }
+            // The smooth fit only has to come near, and a fit that still moves by a little of the noise is
+            // a result.
+            if steps == MOST_STEPS && near {
+                let outcome = self.settled(stand, steps);
+                self.state.settled = detail == timing::Detail::Smooth;
+                return Ok(outcome);
+            }
+            if steps <= 2 {
+                self.state.sigma_mm =
+                    (self.state.sigma_mm * scatter).max(1e-3 * self.options.noise_mm);
+            }
+            // Sums of squares compare where the same samples make them.
+            if steps >= CHOOSING_STEPS {
+                misfits.push(stand.misfit);
+                kept = Some(stand);
+            }
+        }
+        Err(Error::new(
+            Kind::Undetermined,
+            format!("the fit does not settle within {MOST_STEPS} steps"),
+        )
+        .hint(
+            "the log may be of another program, the feed override may not have stood where the test file says, or there are too many terms for these arcs",
+        ))
+    }
+
+    /// Holds the slides of runs that would follow ahead of time, if they do not follow late already; whether any were
+    /// not held before.
+    fn stop_at_once(&mut self, step: &[f64]) -> bool {
+        let mut newly = false;
+        for (index, run) in self.runs.iter().enumerate() {
+            let ahead = step[self.columns.following(index)] < 0.0;
+            if ahead && run.alignment.time_map.following_s <= 0.0 && !self.state.at_once[index] {
+                self.state.at_once[index] = true;
+                newly = true;
+            }
+        }
+        newly
+    }
+
+    /// The triangle with the steps that a time constant cannot take held at what it can, so that the others do not
+    /// answer to what does not happen; `None` where it can take all.
+    ///
+    /// No slide follows ahead of time. The effect of a time constant grows with its square: far away its slope is
+    /// another one.
+    fn within_bounds(&self, triangle: &Triangle, step: &[f64]) -> Result<Option<Triangle>> {
+        let held = self.runs.iter().enumerate().filter_map(|(index, run)| {
+            let column = self.columns.following(index);
+            let least_s = (-run.alignment.time_map.following_s).max(-timing::STRIDE_S);
+            let possible_s = step[column].clamp(least_s, timing::STRIDE_S);
+            let beyond = step[column] < least_s || step[column] > timing::STRIDE_S;
+            beyond.then_some((column, possible_s))
+        });
+        let held: Vec<(usize, f64)> = held.collect();
+        if held.is_empty() {
+            return Ok(None);
+        }
+        let mut rows = Tsqr::of(triangle);
+        for (column, value_s) in held {
+            rows.push_prior(column, value_s, timing::AT_ONCE_S);
+        }
+        Ok(Some(rows.finish()?))
+    }
+
+    /// Program time of every sample as it is laid now, s.
+    fn times_s(&self) -> Vec<f64> {
+        self.runs.iter().flat_map(RunInput::samples).map(|sample| sample.program_s).collect()
+    }
+
+    /// The farthest that any sample has moved since it was laid at these times, s.
+    fn moved_s(&self, since_s: &[f64]) -> f64 {
+        let samples = self.runs.iter().flat_map(RunInput::samples).zip(since_s);
+        samples.map(|(now, since_s)| (now.program_s - since_s).abs()).fold(0.0, f64::max)
+    }
+
+    /// Where the fit stands now, with the step that it is about to take.
+    fn stand(
+        &self,
+        misfit: f64,
+        step: Vec<f64>,
+        solution: Solution,
+        scatter: f64,
+        near: bool,
+    ) -> Stand {
+        let maps = self.runs.iter().map(|run| run.alignment.time_map.clone()).collect();
+        Stand { misfit, step, solution, scatter, near, values: self.state.values.clone(), maps }
+    }
+
+    /// Goes back to where it stood.
+    fn stand_at(&mut self, stand: &Stand) {
+        self.state.values.clone_from(&stand.values);
+        for (run, map) in self.runs.iter_mut().zip(&stand.maps) {
+            run.alignment.time_map.clone_from(map);
+            run.place();
+        }
+    }
+
+    /// The end of a round that has come to rest, with the noise that its last solution left.
+    fn settled(&mut self, stand: Stand, steps: usize) -> Outcome {
+        self.state.sigma_mm *= stand.scatter;
+        self.state.settled = true;
+        Outcome { solution: stand.solution, steps }
+    }
+}

@@ -1,0 +1,116 @@
+//! Identification of runs in which the bar may have slipped.
+//!
+//! A step of the readings that the lines before and after it show is tried as one of the bar's length: it is taken out of
+//! all readings after it, by as much as fits best. It is a slip if it makes the fit better beyond chance *and* comes out as
+//! large as it is seen at its moment. A ball that was knocked steps by another amount in every other direction of the bar.
+
+use super::fit::identify;
+use super::input::{Options, RunInput};
+use super::record::Record;
+use super::result::Identification;
+use crate::align::Slip;
+use crate::error::Result;
+use crate::model::Model;
+
+/// A gain, in units of the noise, that the best of some thousand moments does not reach by chance: twice the logarithm of
+/// their number, and 14 to spare for 1 in 1000.
+const BEYOND_CHANCE: f64 = 30.0;
+/// So much of a step the readings may have changed by in a gap that it fell into.
+const IN_A_GAP: f64 = 0.25;
+/// And by so many standard deviations where there was none.
+const SIGMAS: f64 = 4.0;
+/// So many readings either side of a step show what a fit leaves of it.
+const NEXT_TO_IT: usize = 12;
+/// The size is found as the lowest point of a parabola, again where it lies far from where that was drawn.
+const ROUNDS: usize = 4;
+
+/// Identifies the parameters of a model from runs, slips of the bar taken out.
+///
+/// # Errors
+/// As [`identify`].
+pub(super) fn identify_beside_slips(
+    model: &Model,
+    runs: Vec<RunInput>,
+    options: &Options,
+) -> Result<Identification> {
+    let seen: Vec<(usize, Slip)> = runs
+        .iter()
+        .enumerate()
+        .flat_map(|(index, run)| {
+            run.alignment.steps_of_readings().into_iter().map(move |slip| (index, slip))
+        })
+        .collect();
+    if seen.is_empty() {
+        return identify(model, runs, options);
+    }
+    let mut runs = runs;
+    let mut best = identify(model, runs.clone(), options);
+    for (index, slip) in seen {
+        if best.as_ref().is_ok_and(|plain| explains(plain, index, &slip)) {
+            continue;
+        }
+        let without = |step_mm: f64| {
+            let mut runs = runs.clone();
+            let RunInput { name, mounting, nominal_mm, alignment, .. } = runs[index].clone();
+            let alignment = alignment.without_step(Slip { step_mm, ..slip });
+            runs[index] = RunInput::new(name, mounting, nominal_mm, alignment);
+            runs
+        };
+        let Some(step_mm) = sized(&slip, |step_mm| {
+            let fitted = identify(model, without(step_mm), options).ok()?;
+            Some(fitted.rms_mm.powi(2) * fitted.used as f64)
+        }) else {
+            continue;
+        };
+        let as_seen = SIGMAS.mul_add(slip.sigma_mm, IN_A_GAP * slip.step_mm.abs());
+        if (step_mm - slip.step_mm).abs() > as_seen {
+            continue;
+        }
+        let Ok(fitted) = identify(model, without(step_mm), options) else { continue };
+        let better = best.as_ref().map_or(true, |plain| {
+            let squares = |of: &Identification| of.rms_mm.powi(2) * of.used as f64;
+            squares(plain) - squares(&fitted) > BEYOND_CHANCE * fitted.noise.long_run_variance()
+        });
+        if better {
+            runs = without(step_mm);
+            best = Ok(fitted);
+        }
+    }
+    best
+}
+
+/// Whether a fit explains a step: what it leaves of the readings next to it that took part steps by less than half of it.
+fn explains(fit: &Identification, index: usize, slip: &Slip) -> bool {
+    let used: Vec<&Record> = fit.runs[index].used().collect();
+    let after = used.partition_point(|record| record.sample.log_s < slip.log_s);
+    let mean_mm = |side: &[&Record]| {
+        side.iter().map(|record| record.residual_mm).sum::<f64>() / side.len().max(1) as f64
+    };
+    let before_mm = mean_mm(&used[after.saturating_sub(NEXT_TO_IT)..after]);
+    let after_mm = mean_mm(&used[after..(after + NEXT_TO_IT).min(used.len())]);
+    (after_mm - before_mm).abs() < 0.5 * slip.step_mm.abs()
+}
+
+/// The size of a step that leaves least, mm; `left_mm2` is what one leaves.
+///
+/// That is a parabola where the times stay what they are. A wrong size of 10 um moves them, so the parabola is drawn
+/// close to the size that was seen.
+fn sized(slip: &Slip, left_mm2: impl Fn(f64) -> Option<f64>) -> Option<f64> {
+    let (mut step_mm, aside_mm) = (slip.step_mm, SIGMAS * slip.sigma_mm);
+    let farthest_mm = IN_A_GAP * slip.step_mm.abs() + aside_mm;
+    for _ in 0..ROUNDS {
+        let tried_mm = [step_mm - aside_mm, step_mm, step_mm + aside_mm];
+        let [less, here, more] = tried_mm.map(&left_mm2);
+        let (less, here, more) = (less?, here?, more?);
+        let bend = less - 2.0 * here + more;
+        let move_mm = 0.5 * aside_mm * (less - more) / bend;
+        if bend <= 0.0 || !move_mm.is_finite() {
+            return None;
+        }
+        step_mm += move_mm.clamp(-farthest_mm, farthest_mm);
+        if move_mm.abs() < aside_mm {
+            break;
+        }
+    }
+    Some(step_mm)
+}

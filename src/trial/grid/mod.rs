@@ -1,0 +1,158 @@
+//! The grid: every trial a campaign of its own, drawn over tests, machines, rates, motions, runs and noises.
+//!
+//! What of an effect lies outside of the model is worked out on the same programs and machine, driven as planned and
+//! read at most [`STAGE_HZ`] times a second.
+
+mod course;
+mod days;
+mod factors;
+mod files;
+mod table;
+
+use std::collections::BTreeMap;
+
+use super::chance::{Chance, Purpose};
+use super::class::Class;
+use super::course::Course;
+use super::draw::{drawn, outside};
+use super::one::{Drawn, Outcome, trial};
+use super::request::Request;
+use super::session::side_by_side;
+use super::stage::Stage;
+use crate::error::Result;
+use crate::simulate::{Control, Scenario};
+use factors::{Driving, Factors};
+
+pub use table::table;
+
+/// Effects are sized on so many readings a second: they go on for longer than the time between two.
+const STAGE_HZ: f64 = 50.0;
+/// An effect is this size, mm rms, or so many times the noise, whichever is more.
+const SIZE_MM: f64 = 1e-3;
+const TIMES_NOISE: f64 = 5.0;
+
+/// The grid of a seed.
+#[derive(Debug, Clone, Copy)]
+pub struct Grid {
+    /// Where everything random begins.
+    pub seed: u64,
+    /// Size of every hidden effect, mm rms outside of the model; `None` for that of its class.
+    pub size_mm: Option<f64>,
+}
+
+impl Grid {
+    /// Does one trial; `keep` its findings. Where no effect of its size can be hidden in what was drawn, it fails.
+    pub fn trial(&self, request: Request, keep: bool) -> Outcome {
+        let Request { class, index } = request;
+        let mut chance = Chance::new(self.seed, class, index, Purpose::Grid);
+        let factors = Factors::drawn(&mut chance);
+        let outcome = self.outcome(request, &factors, &mut chance, keep);
+        let mut outcome = outcome.unwrap_or_else(|error| Outcome::failed(request, error.what));
+        outcome.strata = factors.strata();
+        outcome
+    }
+
+    fn outcome(
+        &self,
+        request: Request,
+        factors: &Factors,
+        of_grid: &mut Chance,
+        keep: bool,
+    ) -> Result<Outcome> {
+        let Request { class, index } = request;
+        let chance = |purpose| Chance::new(self.seed, class, index, purpose);
+        let Campaign { course, days, .. } = self.campaign(request, factors, of_grid)?;
+        let mut planned = days.clone();
+        for day in &mut planned {
+            day.control = Control::AS_PLANNED;
+            day.feed_override = 1.0;
+            day.sample_rate_hz = day.sample_rate_hz.map(|rate_hz| rate_hz.min(STAGE_HZ));
+        }
+        let stage = Stage::of(&course, planned, true)?;
+        let noise_mm = factors.noise_mm();
+        let size_mm = self.size_mm.unwrap_or(match class {
+            Class::Single | Class::Two | Class::Outside => SIZE_MM.max(TIMES_NOISE * noise_mm),
+            _ => class.size_mm(index, noise_mm),
+        });
+        let causes = if class == Class::Outside { outside() } else { drawn() };
+        let mut of_effects = chance(Purpose::Effects);
+        let hidden = stage.drawn(&course, &causes, class.effects(), size_mm, &mut of_effects)?;
+        let drawn = Drawn { class, index, size_mm, hidden, days, true_too: true_too(factors) };
+        Ok(trial(&stage, &course, drawn, keep))
+    }
+
+    fn campaign(
+        &self,
+        Request { class, index }: Request,
+        factors: &Factors,
+        of_grid: &mut Chance,
+    ) -> Result<Campaign> {
+        let (course, test_toml) = course::course(factors, of_grid)?;
+        let mut of_days = Chance::new(self.seed, class, index, Purpose::Days);
+        let days = days::days(&course, factors, &mut of_days);
+        Ok(Campaign { course, test_toml, days })
+    }
+
+    /// The files of a trial, by name, as if it had been measured: machine, test, programs, logs, and what is true.
+    ///
+    /// # Errors
+    /// When no effect of its size can be hidden.
+    pub fn files(&self, request: Request) -> Result<Vec<(String, String)>> {
+        let mut chance = Chance::new(self.seed, request.class, request.index, Purpose::Grid);
+        let factors = Factors::drawn(&mut chance);
+        let hidden = match request.class {
+            Class::None => Vec::new(),
+            _ => self.outcome(request, &factors, &mut chance.clone(), false)?.hidden,
+        };
+        let Campaign { course, test_toml, mut days } =
+            self.campaign(request, &factors, &mut chance)?;
+        for day in &mut days {
+            for (effect, _) in &hidden {
+                day.hide(effect.clone())?;
+            }
+        }
+        files::files(&course, &test_toml, course::machine_toml(factors.make), &days)
+    }
+
+    /// Does trials, as many at a time as there are threads; `finished` is called after each.
+    ///
+    /// # Errors
+    /// When there are no threads.
+    pub fn run(
+        &self,
+        requests: &[Request],
+        finished: &(dyn Fn(&Outcome) + Sync),
+    ) -> Result<Vec<Outcome>> {
+        side_by_side(requests, &|request| Ok(self.trial(request, false)), finished)
+    }
+}
+
+/// What a trial measures.
+struct Campaign {
+    course: Course,
+    test_toml: String,
+    days: Vec<Scenario>,
+}
+
+/// Causes that are true of the campaign though they were not hidden: nobody says that they must be found.
+fn true_too(factors: &Factors) -> Vec<&'static str> {
+    let mut causes = Vec::new();
+    if matches!(factors.driving, Driving::FollowingUnlike(..)) {
+        causes.push("servo");
+    }
+    if !factors.feed_is_stated() {
+        causes.push("feed-override");
+    }
+    causes
+}
+
+/// Outcomes by factor and value.
+fn by_stratum(outcomes: &[Outcome]) -> BTreeMap<(&'static str, &str), Vec<&Outcome>> {
+    let mut strata: BTreeMap<_, Vec<&Outcome>> = BTreeMap::new();
+    for outcome in outcomes {
+        for (factor, value) in &outcome.strata {
+            strata.entry((*factor, value.as_str())).or_default().push(outcome);
+        }
+    }
+    strata
+}
