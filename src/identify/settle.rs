@@ -25,6 +25,8 @@ const NO_WAY_DOWN: i32 = 6;
 /// The sum of squares may rise, but not above what it was so many steps ago: chords have valleys of their own, and the
 /// way out of one leads over its edge.
 const LATELY: usize = 5;
+/// After so many steps only down: a time that goes to and fro over a vertex of the path would do so for ever.
+const DOWNHILL_AFTER: usize = MOST_STEPS / 2;
 /// During the first steps the samples that take part are chosen anew.
 const CHOOSING_STEPS: usize = 3;
 
@@ -66,7 +68,8 @@ impl Fit<'_> {
             // What the last step lowered the sum of squares by.
             let gained = kept.as_ref().map(|stand| stand.misfit.powi(2) - misfit.powi(2));
             let negligible = (NEGLIGIBLE * self.state.correlated).powi(2);
-            let lately = misfits.iter().rev().take(LATELY).copied().fold(0.0, f64::max);
+            let remembered = if steps > DOWNHILL_AFTER { 1 } else { LATELY };
+            let lately = misfits.iter().rev().take(remembered).copied().fold(0.0, f64::max);
             let worse = misfit.powi(2) > lately.powi(2) + negligible;
             if let Some(stand) = kept.take_if(|_| worse) {
                 // A time that steps over a vertex of the path comes back with the next step, and so for ever: less far.
