@@ -14,6 +14,7 @@ mod choose;
 mod model_file;
 mod result;
 mod seek;
+mod stand;
 mod thresholds;
 mod views;
 
@@ -30,11 +31,9 @@ pub use views::feature::Feature;
 pub use views::picture::{Picture, Point};
 pub use views::view::{Bin, Subject, View, ViewKind};
 
-use account::gain::{self, Gains};
-use account::{arcs, costs, moved, numbers, times, unseen};
-use choose::extend::{self, Extended};
+use account::{arcs, gain, moved, numbers, times, unseen};
 use choose::found::Chosen;
-use choose::{run, settings};
+use stand::Standing;
 use views::{means, picture, sample, spectra};
 
 use crate::error::Result;
@@ -44,30 +43,27 @@ use crate::plan::Test;
 use crate::residual::{Beside, Column, Noise, Residuals, structure};
 pub use crate::residual::{Element, Owner, Structure};
 
-/// Looks for what the model of a campaign gets wrong, and does not yet extend it: no gain is measured, and the
-/// numbers are those of a search that is linear about the first identification.
+/// Looks for what the model of a campaign gets wrong, and says no more than what it is.
 ///
 /// # Errors
 /// When the rows of a fit are not finite numbers.
 pub fn search(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<Searched> {
-    let (corrected, residuals) = settings::corrected(test, machine, campaign)?;
-    let campaign = corrected.as_ref().map_or(campaign, |now| &now.campaign);
-    let chosen = run::chosen(&residuals, campaign);
-    let findings = findings(&beside(&residuals, chosen.as_ref()), chosen.as_ref());
-    Ok(Searched { findings, wrong_settings: corrected.map_or_else(Vec::new, |c| c.wrong) })
+    let standing = Standing::of(test, machine, campaign)?;
+    let (residuals, chosen) = standing.now();
+    let findings = findings(&stand::beside(residuals, chosen), chosen);
+    let wrong_settings = standing.wrong_settings();
+    Ok(Searched { findings, wrong_settings, extended: standing.into_model(test, machine) })
 }
 
-/// What a search alone finds.
-#[derive(Debug, Clone, PartialEq)]
+/// What was found.
+#[derive(Debug)]
 pub struct Searched {
     /// Effects, the largest first.
     pub findings: Vec<Finding>,
     /// Settings that are stated wrong.
     pub wrong_settings: Vec<WrongSetting>,
-}
-
-fn beside<'a>(residuals: &'a Residuals, chosen: Option<&Chosen>) -> Beside<'a> {
-    residuals.beside(chosen.map_or(&[], |chosen| &chosen.fitted.columns))
+    /// The model with both; `None` where there is neither.
+    pub extended: Option<ExtendedModel>,
 }
 
 fn findings(beside: &Beside, chosen: Option<&Chosen>) -> Vec<Finding> {
@@ -94,26 +90,22 @@ fn findings(beside: &Beside, chosen: Option<&Chosen>) -> Vec<Finding> {
 /// # Errors
 /// When the rows of a fit are not finite numbers.
 pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<Diagnosis> {
-    let (corrected, searched) = settings::corrected(test, machine, campaign)?;
-    let (test, machine, campaign) = match &corrected {
-        Some(now) => (&now.test, &now.machine, &now.campaign),
-        None => (test, machine, campaign),
+    let standing = Standing::of(test, machine, campaign)?;
+    let (of_test, campaign) = match &standing.corrected {
+        Some(now) => (&now.test, &now.campaign),
+        None => (test, campaign),
     };
-    let (mut extended, gains) = confirmed(test, machine, campaign, &searched)?;
-    // About the extended model a few more samples, or fewer, take part.
-    let (residuals, chosen) = match &extended {
-        Some(now) => (&now.residuals, Some(&now.chosen)),
-        None => (&searched, None),
-    };
+    let (residuals, chosen) = standing.now();
+    let (searched, gains) = (&standing.searched, &standing.gains);
     let fitted = chosen.map(|chosen| &chosen.fitted);
-    let (alone, beside) = (residuals.alone(), beside(residuals, chosen));
+    let (alone, beside) = (residuals.alone(), stand::beside(residuals, chosen));
     let (noise, left_mm) = (beside.noise(), &beside.left_mm);
     let explained = fitted.and_then(|_| gain::explained(&gains.arcs));
     let samples = residuals.samples();
     let verdict = Verdict {
         before_mm: searched.rms_mm(searched.model_mm2()),
         after_mm: residuals.rms_mm(left_mm.product(left_mm)),
-        structure_before: structure(&searched, &searched.model_mm, |_| true),
+        structure_before: structure(searched, &searched.model_mm, |_| true),
         structure_after: structure(residuals, left_mm, |_| true),
         neighbours_mm: noise.neighbours_mm2.sqrt(),
         effective_samples: samples as f64 * noise.variance_mm2 / noise.long_run_mm2,
@@ -126,13 +118,12 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         let of = |k| picture::picture(residuals, fitted, k, left_mm, noise.long_run_mm2);
         (0..fitted.elements.len()).map(of).collect()
     });
-    let shown = extended.as_ref().map_or(campaign, |now| &now.campaign);
+    let shown = standing.extended.as_ref().map_or(campaign, |now| &now.campaign);
     let diagnosis = Diagnosis {
         verdict,
         findings: findings(&beside, chosen),
-        runs: gains.runs,
-        programs: fitted
-            .map_or_else(Vec::new, |fitted| gain::by_program(&searched, &alone, fitted)),
+        runs: gains.runs.clone(),
+        programs: fitted.map_or_else(Vec::new, |fitted| gain::by_program(searched, &alone, fitted)),
         moved: Vec::new(),
         unseen: unseen::unseen(
             &alone,
@@ -142,50 +133,16 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         ),
         views: views(residuals, shown, left_mm, noise),
         pictures,
-        arcs: arcs::arcs((&searched, campaign), (residuals, shown), left_mm),
-        off_times: times::off(test, campaign),
-        wrong_settings: corrected.as_ref().map_or_else(Vec::new, |now| now.wrong.clone()),
+        arcs: arcs::arcs((searched, campaign), (residuals, shown), left_mm),
+        off_times: times::off(of_test, campaign),
+        wrong_settings: standing.wrong_settings(),
         left_out: campaign.left_out.iter().map(|(run, error)| LeftOut::of(run, error)).collect(),
         extended: None,
     };
-    let long_run_mm2 = noise.long_run_mm2;
+    let moved = standing.extended.as_ref().map(|now| moved::moved(campaign, &now.campaign));
     drop(beside);
-    if let Some(Extended { campaign, residuals, chosen }) = &mut extended {
-        costs::count(campaign, residuals, &chosen.fitted, long_run_mm2);
-    }
-    let moved = extended.as_ref().map(|now| moved::moved(campaign, &now.campaign));
-    let (test, machine) = (test.clone(), machine.clone());
-    let extended = extended.map(|now| now.campaign);
-    let extended = extended.or(corrected.map(|now| now.campaign));
-    let extended = extended.map(|campaign| ExtendedModel { test, machine, campaign });
+    let extended = standing.into_model(test, machine);
     Ok(Diagnosis { extended, moved: moved.unwrap_or_default(), ..diagnosis })
-}
-
-/// The extended model, if anything was found that runs which took no part are not worse with, and the gain.
-fn confirmed(
-    test: &Test,
-    machine: &Machine,
-    campaign: &Campaign,
-    searched: &Residuals,
-) -> Result<(Option<Extended>, Gains)> {
-    let mut chosen = run::chosen(searched, campaign);
-    loop {
-        let extended = match chosen {
-            Some(chosen) => extend::extend(test, machine, campaign, chosen)?,
-            None => None,
-        };
-        let (residuals, now) = match &extended {
-            Some(now) => (&now.residuals, Some(&now.chosen)),
-            None => (searched, None),
-        };
-        let left_mm = beside(residuals, now).left_mm;
-        let fitted = now.map(|chosen| &chosen.fitted);
-        let gains = gain::by_run(searched, &residuals.alone(), &left_mm, fitted);
-        let (Some(harmful), Some(now)) = (gains.harmful, now) else {
-            return Ok((extended, gains));
-        };
-        chosen = now.without(harmful, &searched.alone());
-    }
 }
 
 /// The residual before and after against everything, what holds most structure first.

@@ -164,12 +164,13 @@ fn diagnosed(
     let start = Instant::now();
     let searched = search(&course.test, &course.machine, &campaign)?;
     seconds.diagnose_s = start.elapsed().as_secs_f64();
-    let off_by = off_by(course, &campaign, &days)?;
+    let numbers = searched.extended.as_ref().map_or(&campaign, |extended| &extended.campaign);
+    let off_by = off_by(course, numbers, &days)?;
     let left_out = campaign.left_out.into_iter().map(|(run, error)| (run, error.what)).collect();
     Ok(Diagnosed { searched, left_out, off_by })
 }
 
-/// How far the answers of the first repeat are from the truth, where its place is known.
+/// How far the answers of the first repeat, the effects that were found beside them, are from the truth, where its place is known.
 fn off_by(course: &Course, campaign: &Campaign, days: &[Scenario]) -> Result<Vec<OffBy>> {
     let (Some(frame), Some(repeat)) = (&campaign.frame, campaign.repeats.first()) else {
         return Ok(Vec::new());

@@ -7,13 +7,38 @@ use crate::residual::{Fitted, Residuals};
 
 /// The effects that there are; `None` for none.
 pub(crate) fn chosen(residuals: &Residuals, campaign: &Campaign) -> Option<Chosen> {
-    Search::new(residuals, campaign).run()
+    let mut search = Search::new(residuals, campaign);
+    let fitted = search.forward(None, true, MOST_EFFECTS)?;
+    search.named(fitted)
+}
+
+/// What a look about the extended model says of the effects that it was extended by.
+pub(crate) enum Again {
+    /// They stand, and nothing else does.
+    Same,
+    /// These do instead; `None` for none.
+    Other(Option<Chosen>),
+}
+
+/// Looks again: the search that chose the effects was linear about a model without them, whose numbers and times they had
+/// moved.
+pub(crate) fn again(residuals: &Residuals, campaign: &Campaign, chosen: &Chosen) -> Again {
+    let mut search = Search::new(residuals, campaign);
+    let Some(fitted) = search.fit_all(chosen.fitted.elements.clone()) else { return Again::Same };
+    let count = fitted.elements.len();
+    let stands = search.beyond_chance(fitted);
+    let dropped = stands.as_ref().is_none_or(|fitted| fitted.elements.len() < count);
+    let stands = search.forward(stands, true, MOST_EFFECTS);
+    match stands {
+        Some(fitted) if !dropped && fitted.elements.len() == count => Again::Same,
+        stands => Again::Other(stands.and_then(|fitted| search.named(fitted))),
+    }
 }
 
 impl Search<'_> {
-    fn run(&mut self) -> Option<Chosen> {
-        let mut fitted = self.forward(None, true, MOST_EFFECTS)?;
-        fitted = self.tidied(fitted)?;
+    /// What stands of some effects, each with what else it could be.
+    fn named(&mut self, fitted: Fitted) -> Option<Chosen> {
+        let mut fitted = self.tidied(fitted)?;
         let mut rivals = vec![Vec::new(); fitted.elements.len()];
         let mut index = 0;
         let mut replaced = 0;

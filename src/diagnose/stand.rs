@@ -1,0 +1,110 @@
+//! What stands: what is stated wrong put right, the model extended by the effects that a search found, looked at again, and
+//! held against runs that took no part.
+
+use super::account::costs;
+use super::account::gain::{self, Gains};
+use super::choose::extend::{self, Extended};
+use super::choose::found::Chosen;
+use super::choose::run::{self, Again};
+use super::choose::settings::{self, Corrected, WrongSetting};
+use super::result::ExtendedModel;
+use crate::error::Result;
+use crate::identify::Campaign;
+use crate::machine::Machine;
+use crate::plan::Test;
+use crate::residual::{Beside, Residuals};
+
+/// The extended model is looked at again so often, at most, for effects that are no more or that it uncovers.
+const MOST_LOOKS: usize = 2;
+
+/// What of a diagnosis all the rest is told about.
+pub(super) struct Standing {
+    /// The campaign as it is with what is stated wrong put right; `None` where nothing is.
+    pub(super) corrected: Option<Corrected>,
+    /// Linear about that, or about the campaign as it was identified.
+    pub(super) searched: Residuals,
+    /// The model with what was found; `None` where nothing was.
+    pub(super) extended: Option<Extended>,
+    /// What it explains of runs that took no part.
+    pub(super) gains: Gains,
+}
+
+impl Standing {
+    /// # Errors
+    /// When the rows of a fit are not finite numbers.
+    pub(super) fn of(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<Self> {
+        let (corrected, searched) = settings::corrected(test, machine, campaign)?;
+        let (test, machine, campaign) = match &corrected {
+            Some(now) => (&now.test, &now.machine, &now.campaign),
+            None => (test, machine, campaign),
+        };
+        let mut chosen = run::chosen(&searched, campaign);
+        let mut looks = 0;
+        loop {
+            let extended = match chosen {
+                Some(chosen) => extend::extend(test, machine, campaign, chosen)?,
+                None => None,
+            };
+            if let Some(now) = extended.as_ref().filter(|_| looks < MOST_LOOKS)
+                && let Again::Other(other) = run::again(&now.residuals, &now.campaign, &now.chosen)
+            {
+                looks += 1;
+                chosen = other;
+                continue;
+            }
+            let (residuals, now) = now(&searched, extended.as_ref());
+            let beside = beside(residuals, now);
+            let fitted = now.map(|chosen| &chosen.fitted);
+            let gains = gain::by_run(&searched, &residuals.alone(), &beside.left_mm, fitted);
+            let (Some(harmful), Some(now)) = (gains.harmful, now) else {
+                let long_run_mm2 = beside.noise().long_run_mm2;
+                drop(beside);
+                let mut extended = extended;
+                if let Some(Extended { campaign, residuals, chosen }) = &mut extended {
+                    costs::count(campaign, residuals, &chosen.fitted, long_run_mm2);
+                }
+                return Ok(Self { corrected, searched, extended, gains });
+            };
+            chosen = now.without(harmful, &searched.alone());
+        }
+    }
+
+    /// The residuals that the effects are told about, and the effects. About the extended model a few more samples, or
+    /// fewer, take part.
+    pub(super) fn now(&self) -> (&Residuals, Option<&Chosen>) {
+        now(&self.searched, self.extended.as_ref())
+    }
+
+    /// The extended model, what is not known of the effects counted in its numbers; `None` where nothing is wrong.
+    pub(super) fn into_model(self, test: &Test, machine: &Machine) -> Option<ExtendedModel> {
+        let campaign = self.extended.map(|now| now.campaign);
+        match self.corrected {
+            Some(now) => Some(ExtendedModel {
+                test: now.test,
+                machine: now.machine,
+                campaign: campaign.unwrap_or(now.campaign),
+            }),
+            None => {
+                let (test, machine) = (test.clone(), machine.clone());
+                campaign.map(|campaign| ExtendedModel { test, machine, campaign })
+            }
+        }
+    }
+
+    /// What was stated wrong.
+    pub(super) fn wrong_settings(&self) -> Vec<WrongSetting> {
+        self.corrected.as_ref().map_or_else(Vec::new, |now| now.wrong.clone())
+    }
+}
+
+fn now<'a>(
+    searched: &'a Residuals,
+    extended: Option<&'a Extended>,
+) -> (&'a Residuals, Option<&'a Chosen>) {
+    extended.map_or((searched, None), |now| (&now.residuals, Some(&now.chosen)))
+}
+
+/// What is left beside the effects.
+pub(super) fn beside<'a>(residuals: &'a Residuals, chosen: Option<&Chosen>) -> Beside<'a> {
+    residuals.beside(chosen.map_or(&[], |chosen| &chosen.fitted.columns))
+}
