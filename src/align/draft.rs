@@ -60,7 +60,7 @@ impl Draft {
                 marks.push(ramp::mark(run, &trajectory, engagement, stretch, kind));
             }
         }
-        time_map.fit_marks(&marks, run.rig.bar.clock_tolerance)?;
+        time_map.fit_marks(&marks, run.rig.bar.clock_tolerance, false)?;
         Ok(Self { trajectory, engagements, stretches, beside, marks, time_map })
     }
 

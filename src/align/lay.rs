@@ -51,6 +51,9 @@ pub fn align(run: &Run) -> Result<Alignment> {
 fn aligned(run: &Run) -> Result<Alignment> {
     let observed = engagement::observed(run.log, run.rig.bar);
     let (mut draft, excess) = at_real_feed(run, &observed)?;
+    if excess.sigma > 0.0 {
+        draft.time_map.fit_marks(&draft.marks, run.rig.bar.clock_tolerance, true)?;
+    }
     refuse_inconsistent(run.log, &draft.time_map, &draft.marks)?;
     draft.find_pauses(run.log);
     draft.time_map.override_excess = excess.share;

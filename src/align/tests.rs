@@ -156,7 +156,7 @@ fn rate_and_offsets_come_back_from_marks() {
         }
     }
     let mut map = empty;
-    map.fit_marks(&marks, 100e-6).unwrap();
+    map.fit_marks(&marks, 100e-6, false).unwrap();
     assert!((map.rate - rate).abs() < 3.0 * map.rate_sigma, "{map:?}");
     for leg in 0..map.offsets_s.len() {
         let off_s = map.offsets_s[leg] - truth.offsets_s[leg];

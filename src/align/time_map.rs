@@ -34,6 +34,8 @@ pub struct TimeMap {
     pub pace: f64,
     /// Standard deviation of the pace.
     pub pace_sigma: f64,
+    /// How far the pace plausibly is from the feed that engagement and release tell.
+    pub pace_plausible: f64,
     /// Covariance of each offset with the pace, s.
     pub offset_pace_covariances_s: Vec<f64>,
     /// Covariance of rate and pace.
@@ -78,6 +80,11 @@ const EXCESS_S: f64 = 0.05;
 /// And on average not longer than this, s.
 const LONGEST_EXCESS_S: f64 = 0.1;
 
+/// So far a control's feed plausibly is from its program's where nothing else says so: ramps that it drives otherwise.
+const PACE: f64 = 1e-3;
+/// Where the pace is known.
+const NO_PACE: f64 = 1e-9;
+
 /// How long an operator's pause is where the log does not tell, s.
 const UNKNOWN_S: f64 = 60.0;
 
@@ -105,6 +112,7 @@ impl TimeMap {
             offset_rate_covariances_s: vec![0.0; legs],
             pace: 0.0,
             pace_sigma: 0.0,
+            pace_plausible: PACE,
             offset_pace_covariances_s: vec![0.0; legs],
             rate_pace_covariance: 0.0,
             following_s: 0.0,
@@ -160,13 +168,20 @@ impl TimeMap {
         self.raw_s(log_s, leg) - self.middles_s[leg]
     }
 
-    /// Rate and offsets by least squares from the marks, with the rate's prior `0 ± clock_tolerance` and legs that hang
-    /// together; those that no mark tells of stay unknown.
+    /// Rate, pace and offsets by least squares from the marks, with the rate's prior `0 ± clock_tolerance` and legs that
+    /// hang together; those that no mark tells of stay unknown.
     ///
     /// No standstill is shorter than its program: all take what the marks leave for them, and where that is next to
-    /// nothing, each takes next to nothing.
-    pub(super) fn fit_marks(&mut self, marks: &[Mark], clock_tolerance: f64) -> Result<()> {
+    /// nothing, each takes next to nothing. What they may take may be the feed's as well, and the other way round: where
+    /// the feed itself was found from these marks (`any_feed`), standstills may take anything that is plausible.
+    pub(super) fn fit_marks(
+        &mut self,
+        marks: &[Mark],
+        clock_tolerance: f64,
+        any_feed: bool,
+    ) -> Result<()> {
         self.excess_s = [0.0, EXCESS_S];
+        self.pace_plausible = PACE;
         self.fit_standing(marks, clock_tolerance)?;
         let marked = |at: &Mark| self.leg_of(at.program_s);
         let spans =
@@ -184,14 +199,19 @@ impl TimeMap {
             let clock_s = clock_tolerance * lasts_s / standstills;
             // What the clock and the ramps leave open.
             let open_s = clock_s + UNEQUAL_DELAY_S;
-            self.excess_s = if (-open_s..LONGEST_EXCESS_S).contains(&mean_s) {
+            let of_feed_s = if any_feed {
+                EXCESS_S
+            } else if (-open_s..LONGEST_EXCESS_S).contains(&mean_s) {
                 // As different as they are long.
                 let mean_s = mean_s.max(0.0);
-                [mean_s, (mean_s + open_s).min(EXCESS_S)]
+                self.excess_s = [mean_s, (mean_s + open_s).min(EXCESS_S)];
+                mean_s
             } else {
                 // No standstill explains that: it is the feed, or readings are missing.
-                [0.0, open_s.min(EXCESS_S)]
+                self.excess_s = [0.0, open_s.min(EXCESS_S)];
+                0.0
             };
+            self.pace_plausible = PACE.hypot(of_feed_s * standstills / lasts_s.max(f64::EPSILON));
             self.fit_standing(marks, clock_tolerance)?;
         }
         Ok(())
@@ -200,17 +220,21 @@ impl TimeMap {
     /// Rate and offsets from the marks alone, whatever clock and feed are, with standstills as the program says.
     pub(super) fn fit_marks_at_any_rate(&mut self, marks: &[Mark]) -> Result<()> {
         self.excess_s = [0.0, UNEQUAL_DELAY_S];
+        self.pace_plausible = NO_PACE;
         self.fit_standing(marks, 1.0)
     }
 
     fn fit_standing(&mut self, marks: &[Mark], clock_tolerance: f64) -> Result<()> {
         let legs = self.offsets_s.len();
-        let mut rows = Tsqr::new(legs + 1);
-        let mut row = vec![0.0; legs + 1];
+        let (rate, pace) = (legs, legs + 1);
+        let mut rows = Tsqr::new(legs + 2);
+        let mut row = vec![0.0; legs + 2];
         for mark in marks {
+            let leg = self.leg_of(mark.program_s);
             row.fill(0.0);
-            row[self.leg_of(mark.program_s)] = 1.0;
-            row[legs] = self.pivot_s - mark.log_s;
+            row[leg] = 1.0;
+            row[rate] = self.pivot_s - mark.log_s;
+            row[pace] = self.middles_s[leg] - mark.program_s;
             rows.push_weighted(&row, mark.log_s - mark.program_s, 1.0 / mark.sigma_s);
         }
         for second in 1..legs {
@@ -221,18 +245,23 @@ impl TimeMap {
                 rows.push_weighted(&row, mean_s, 1.0 / sigma_s);
             }
         }
-        rows.push_prior(legs, 0.0, clock_tolerance);
+        rows.push_prior(rate, 0.0, clock_tolerance);
+        rows.push_prior(pace, 0.0, self.pace_plausible);
         let solution = solve(&rows.finish()?, Truncation::Relative(1e-12))?;
         let covariance = solution.covariance_unscaled();
         let sigmas = standard_deviations(&covariance);
-        self.rate = solution.x()[legs];
-        self.rate_sigma = sigmas[legs];
+        self.rate = solution.x()[rate];
+        self.rate_sigma = sigmas[rate];
+        self.pace = solution.x()[pace];
+        self.pace_sigma = sigmas[pace];
+        self.rate_pace_covariance = covariance[(rate, pace)];
         let marked: Vec<usize> = marks.iter().map(|mark| self.leg_of(mark.program_s)).collect();
         for leg in 0..legs {
             if marked.iter().any(|&other| self.hang_together(leg, other)) {
                 self.offsets_s[leg] = solution.x()[leg];
                 self.offset_sigmas_s[leg] = sigmas[leg];
-                self.offset_rate_covariances_s[leg] = covariance[(leg, legs)];
+                self.offset_rate_covariances_s[leg] = covariance[(leg, rate)];
+                self.offset_pace_covariances_s[leg] = covariance[(leg, pace)];
             }
         }
         Ok(())
@@ -240,7 +269,7 @@ impl TimeMap {
 
     /// The same map with the rate 0, every leg set by the first mark of those that it hangs together with.
     pub(super) fn at_equal_rates(&self, marks: &[Mark]) -> Self {
-        let mut map = Self { rate: 0.0, ..self.clone() };
+        let mut map = Self { rate: 0.0, pace: 0.0, ..self.clone() };
         for mark in marks.iter().rev() {
             let marked = map.leg_of(mark.program_s);
             for leg in 0..map.offsets_s.len() {

@@ -2,7 +2,7 @@
 //!
 //! With `e(h, b)` the displacement of the tool against the workpiece, along the programmed directions, that the
 //! parameters `x` make, everything is asked along straight lines of the range `c ± r` of the test, the other slides
-//! at `c`, `u = (h - c) / r`, and is linear in `x`: `q = a · x`.
+//! at `c`, `u = (h - c) / r`, and is taken through the exact chain; its derivatives are those where nothing errs, `a`.
 //!
 //! | asked | is |
 //! | --- | --- |
@@ -102,17 +102,17 @@ pub struct Known<'a> {
 
 /// All that can be asked of what moved, in the order of [`Asked`].
 pub fn answers(model: &Model, frame: &LocalFrame, of: &Known) -> Vec<Answer> {
-    let lines = Lines::new(model, frame);
+    let lines = Lines { model, frame, values: of.values };
     let axes: Vec<Axis> =
         Axis::ALL.into_iter().filter(|axis| frame.reach_mm[axis.index()] > 0.0).collect();
     let others = |axis: Axis| axes.iter().copied().filter(move |other| *other != axis);
-    let mut asked: Vec<(Asked, Vec<f64>)> = Vec::new();
+    let mut asked: Vec<(Asked, Row)> = Vec::new();
     for &axis in &axes {
         asked.push((Asked::Scale(axis), lines.slope(axis, axis)));
     }
     for (k, &first) in axes.iter().enumerate() {
         for &second in &axes[k + 1..] {
-            let sum = add(lines.slope(first, second), &lines.slope(second, first), 1.0);
+            let sum = lines.slope(first, second).plus(&lines.slope(second, first), 1.0);
             asked.push((Asked::Squareness(first, second), sum));
         }
     }
@@ -122,26 +122,26 @@ pub fn answers(model: &Model, frame: &LocalFrame, of: &Known) -> Vec<Answer> {
     for &axis in &axes {
         asked.extend(others(axis).map(|o| (Asked::LateralPlay(axis, o), lines.step(axis, o))));
     }
-    let values = of.values;
     for &axis in &axes {
-        asked.push((Asked::Positioning(axis), lines.range(axis, axis, values)));
+        asked.push((Asked::Positioning(axis), lines.range(axis, axis)));
     }
     for &axis in &axes {
-        let straight = |o| (Asked::Straightness(axis, o), lines.range(axis, o, values));
+        let straight = |o| (Asked::Straightness(axis, o), lines.range(axis, o));
         asked.extend(others(axis).map(straight));
     }
     for &axis in &axes {
-        let angle = |o| (Asked::Angle(axis, o), lines.angle(axis, o, values));
+        let angle = |o| (Asked::Angle(axis, o), lines.angle(axis, o));
         asked.extend(Axis::ALL.map(angle));
     }
     for &axis in &axes {
         let step = |o| (Asked::AngularReversal(axis, o), lines.angular_step(axis, o));
         asked.extend(Axis::ALL.map(step));
     }
-    asked.into_iter().map(|(asked, weights)| answer(asked, &weights, model, of)).collect()
+    asked.into_iter().map(|(asked, row)| answer(asked, &row, model, of)).collect()
 }
 
-fn answer(asked: Asked, weights: &[f64], model: &Model, of: &Known) -> Answer {
+fn answer(asked: Asked, row: &Row, model: &Model, of: &Known) -> Answer {
+    let weights = &row.by;
     let by_noise = of.covariance.times_vector(weights);
     let noise = dot(weights, &by_noise).max(0.0).sqrt();
     let open = of.left_open.map(|open| open.transposed().times_vector(weights));
@@ -157,25 +157,43 @@ fn answer(asked: Asked, weights: &[f64], model: &Model, of: &Known) -> Answer {
     let alike = alike.iter().map(suspect).collect();
     let in_common = of.effects.map(|effects| effects.transposed().times_vector(weights));
     let in_common = in_common.unwrap_or_default();
-    Answer { asked, value: dot(weights, of.values), noise, all, alike, in_common }
+    Answer { asked, value: row.all, noise, all, alike, in_common }
 }
 
-fn add(mut to: Vec<f64>, of: &[f64], factor: f64) -> Vec<f64> {
-    to.iter_mut().zip(of).for_each(|(to, of)| *to += factor * of);
-    to
+/// Something that is asked, or a displacement: what one of each parameter makes of it, and what all of them do.
+#[derive(Debug, Clone)]
+struct Row {
+    by: Vec<f64>,
+    all: f64,
 }
 
-/// What each parameter does along the lines of a test.
+impl Row {
+    fn zero(count: usize) -> Self {
+        Self { by: vec![0.0; count], all: 0.0 }
+    }
+
+    /// With so many times another.
+    fn plus(mut self, of: &Self, factor: f64) -> Self {
+        self.by.iter_mut().zip(&of.by).for_each(|(to, of)| *to += factor * of);
+        self.all += factor * of.all;
+        self
+    }
+
+    fn times(mut self, factor: f64) -> Self {
+        self.by.iter_mut().for_each(|of| *of *= factor);
+        self.all *= factor;
+        self
+    }
+}
+
+/// What the parameters do along the lines of a test.
 struct Lines<'a> {
     model: &'a Model<'a>,
     frame: &'a LocalFrame,
+    values: &'a [f64],
 }
 
-impl<'a> Lines<'a> {
-    fn new(model: &'a Model<'a>, frame: &'a LocalFrame) -> Self {
-        Self { model, frame }
-    }
-
+impl Lines<'_> {
     /// At `c` but for one slide, `u` of its range away, which has come there in a sense; the other senses are 0.
     fn pose(&self, axis: Axis, u: f64, sense: f64) -> Pose {
         let k = axis.index();
@@ -184,60 +202,65 @@ impl<'a> Lines<'a> {
         Pose { position_mm, sense: sense * Vector3::ith(k, 1.0) }
     }
 
-    /// `d e_o / d x` at a pose.
-    fn displaced(&self, pose: &Pose, along: Axis) -> Vec<f64> {
+    /// Displacement at a pose. Effects that are held beside the parameters displace it whatever they are, and do not
+    /// count.
+    fn displaced(&self, pose: &Pose, along: Axis) -> Row {
         let direction = Vector3::ith(along.index(), 1.0);
         let at = self.model.situation_along(pose, &Motion::REST, 0, direction);
-        let mut row = vec![0.0; self.model.parameters().len()];
-        self.model.row(&at, &mut row);
-        row
+        let mut by = vec![0.0; self.values.len()];
+        self.model.row(&at, &mut by);
+        let balls = &self.model.mountings()[0];
+        let ball_mm = |values: &[f64]| {
+            let errors = self.model.errors(values, pose, &Motion::REST, 0);
+            self.model.machine().ball_vector_mm(balls, &pose.position_mm, &errors)[along.index()]
+        };
+        Row { all: ball_mm(self.values) - ball_mm(&vec![0.0; self.values.len()]), by }
     }
 
     /// Its mean over both senses at every point of the line of an axis.
-    fn line(&self, axis: Axis, along: Axis) -> Vec<(f64, Vec<f64>)> {
+    fn line(&self, axis: Axis, along: Axis) -> Vec<(f64, Row)> {
         let at = |u: f64| {
-            let both = [-1.0, 1.0].map(|sense| self.displaced(&self.pose(axis, u, sense), along));
-            let [negative, positive] = both;
-            add(negative, &positive, 1.0).into_iter().map(|e| 0.5 * e).collect()
+            let [negative, positive] =
+                [-1.0, 1.0].map(|sense| self.displaced(&self.pose(axis, u, sense), along));
+            negative.plus(&positive, 1.0).times(0.5)
         };
         points().map(|u| (u, at(u))).collect()
     }
 
     /// Slope of the least-squares line: `3 / (2 r) ∫ e u du`.
-    fn slope(&self, axis: Axis, along: Axis) -> Vec<f64> {
+    fn slope(&self, axis: Axis, along: Axis) -> Row {
         let reach_mm = self.frame.reach_mm[axis.index()];
-        slope(&self.line(axis, along)).into_iter().map(|e| e / reach_mm).collect()
+        slope(&self.line(axis, along)).times(1.0 / reach_mm)
     }
 
-    fn step(&self, axis: Axis, along: Axis) -> Vec<f64> {
+    fn step(&self, axis: Axis, along: Axis) -> Row {
         let at = |sense: f64| self.displaced(&self.pose(axis, 0.0, sense), along);
-        add(at(1.0), &at(-1.0), -1.0)
+        at(1.0).plus(&at(-1.0), -1.0)
     }
 
     /// What is farthest above less what is farthest below the least-squares line.
-    fn range(&self, axis: Axis, along: Axis, values: &[f64]) -> Vec<f64> {
-        between_ends(self.line(axis, along), values, true)
+    fn range(&self, axis: Axis, along: Axis) -> Row {
+        between_ends(self.line(axis, along), true)
     }
 
-    fn angle(&self, axis: Axis, about: Axis, values: &[f64]) -> Vec<f64> {
+    fn angle(&self, axis: Axis, about: Axis) -> Row {
         let at = |u: f64| self.turned(&self.pose(axis, u, 0.0), axis, about);
-        between_ends(points().map(|u| (u, at(u))).collect(), values, false)
+        between_ends(points().map(|u| (u, at(u))).collect(), false)
     }
 
-    fn angular_step(&self, axis: Axis, about: Axis) -> Vec<f64> {
+    fn angular_step(&self, axis: Axis, about: Axis) -> Row {
         let at = |sense: f64| self.turned(&self.pose(axis, 0.0, sense), axis, about);
-        add(at(1.0), &at(-1.0), -1.0)
+        at(1.0).plus(&at(-1.0), -1.0)
     }
 
-    /// `d` rotation of a slide about a direction `/ d x` at a pose.
-    fn turned(&self, pose: &Pose, axis: Axis, about: Axis) -> Vec<f64> {
-        let count = self.model.parameters().len();
+    /// Rotation of a slide about a direction at a pose: a sum over the parameters.
+    fn turned(&self, pose: &Pose, axis: Axis, about: Axis) -> Row {
+        let count = self.values.len();
         let mut unit = vec![0.0; count];
         let turned = |values: &[f64]| {
             let errors = self.model.errors(values, pose, &Motion::REST, 0);
             errors.slides[axis.index()].rotation_rad[about.index()]
         };
-        // What is held beside the parameters turns it whatever they are.
         let held = turned(&unit);
         let of = |k: usize| {
             unit[k] = 1.0;
@@ -245,7 +268,8 @@ impl<'a> Lines<'a> {
             unit[k] = 0.0;
             change
         };
-        (0..count).map(of).collect()
+        let by: Vec<f64> = (0..count).map(of).collect();
+        Row { all: dot(&by, self.values), by }
     }
 }
 
@@ -256,10 +280,10 @@ fn points() -> impl Iterator<Item = f64> {
 
 /// `3/2 ∫ e u du` over a line by Simpson's rule, which is exact for what is a cubic in `u` with an error of the
 /// fourth power of the distance of the points else.
-fn slope(line: &[(f64, Vec<f64>)]) -> Vec<f64> {
-    let count = line.first().map_or(0, |(_, e)| e.len());
+fn slope(line: &[(f64, Row)]) -> Row {
+    let count = line.first().map_or(0, |(_, e)| e.by.len());
     let step = 1.0 / f64::from(POINTS);
-    let mut sum = vec![0.0; count];
+    let mut sum = Row::zero(count);
     for (k, (u, e)) in line.iter().enumerate() {
         let weight = match k {
             0 => 1.0,
@@ -267,27 +291,22 @@ fn slope(line: &[(f64, Vec<f64>)]) -> Vec<f64> {
             k if k % 2 == 1 => 4.0,
             _ => 2.0,
         };
-        sum = add(sum, e, 1.5 * weight * step / 3.0 * u);
+        sum = sum.plus(e, 1.5 * weight * step / 3.0 * u);
     }
     sum
 }
 
-/// Difference of the two points where a curve with these parameters is farthest above and below; about its
-/// least-squares line if it is to be `straightened`.
-fn between_ends(mut line: Vec<(f64, Vec<f64>)>, values: &[f64], straightened: bool) -> Vec<f64> {
-    if straightened {
-        let slope = slope(&line);
-        for (u, e) in &mut line {
-            *e = add(std::mem::take(e), &slope, -*u);
-        }
-    }
-    let height = |e: &Vec<f64>| dot(e, values);
-    let ends = line.iter().map(|(_, e)| e);
-    let highest = ends.clone().max_by(|a, b| height(a).total_cmp(&height(b)));
-    let lowest = ends.min_by(|a, b| height(a).total_cmp(&height(b)));
+/// Difference of the two points where a curve is farthest above and below; about its least-squares line if it is to be
+/// `straightened`.
+fn between_ends(line: Vec<(f64, Row)>, straightened: bool) -> Row {
+    let count = line.first().map_or(0, |(_, e)| e.by.len());
+    let slope = if straightened { slope(&line) } else { Row::zero(count) };
+    let ends: Vec<Row> = line.into_iter().map(|(u, e)| e.plus(&slope, -u)).collect();
+    let highest = ends.iter().max_by(|a, b| a.all.total_cmp(&b.all));
+    let lowest = ends.iter().min_by(|a, b| a.all.total_cmp(&b.all));
     match (highest, lowest) {
-        (Some(highest), Some(lowest)) => add(highest.clone(), lowest, -1.0),
-        _ => vec![0.0; values.len()],
+        (Some(highest), Some(lowest)) => highest.clone().plus(lowest, -1.0),
+        _ => Row::zero(count),
     }
 }
 

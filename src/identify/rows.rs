@@ -146,7 +146,7 @@ impl Fit<'_> {
         push(row, -map.rate, self.options.clock_tolerance);
         row.fill(0.0);
         row[self.columns.pace(index)] = 1.0;
-        push(row, -map.pace, timing::PACE);
+        push(row, -map.pace, map.pace_plausible);
     }
 
     /// What is plausible of how the control drives: column, value, and its standard deviation, of every run.

@@ -63,8 +63,6 @@ pub(super) struct View {
     pub(super) delayed_mm_s: Vector3<f64>,
 }
 
-/// How far the pace plausibly is from the feed that engagement and release tell.
-pub(super) const PACE: f64 = 1e-3;
 /// Within which time constant the slides plausibly follow, s.
 pub(super) const FOLLOWING_S: f64 = 0.02;
 /// So far a step moves that time constant at the most, s.
