@@ -50,7 +50,15 @@ pub fn align(run: &Run) -> Result<Alignment> {
 
 fn aligned(run: &Run) -> Result<Alignment> {
     let observed = engagement::observed(run.log, run.rig.bar);
-    let (mut draft, excess) = at_real_feed(run, &observed)?;
+    let (mut draft, excess) = match at_real_feed(run, &observed) {
+        Ok(found) => found,
+        // A ramp that is over between two readings leaves none on it: what looks like a dropout is a release.
+        Err(error) => {
+            let apart = run.log.in_range_intervals();
+            let other = if apart == observed { None } else { at_real_feed(run, &apart).ok() };
+            other.ok_or(error)?
+        }
+    };
     if excess.sigma > 0.0 {
         draft.time_map.fit_marks(&draft.marks, run.rig.bar.clock_tolerance, true)?;
     }
