@@ -48,7 +48,7 @@ impl Drive {
 /// How the machine is at one moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Condition {
-    /// Machine coordinates that X, Y, Z are commanded to, mm.
+    /// Machine coordinates where X, Y, Z are but for `lag_mm`, mm.
     pub(super) position_mm: Vector3<f64>,
     /// Sense of their last motion.
     pub(super) sense: Vector3<f64>,
@@ -60,7 +60,7 @@ pub(super) struct Condition {
     pub(super) program_s: f64,
     /// Their last reversals.
     pub(super) reversals: [Option<Reversal>; 3],
-    /// How far they are from their commanded places because they follow late, mm: below 0 on the way up.
+    /// How far they are from there because of a hidden delay, mm: below 0 on the way up.
     pub(super) lag_mm: Vector3<f64>,
 }
 
@@ -143,15 +143,18 @@ impl Bent {
         let state = state_at(&drive.trajectory, &moment);
         // In a pause a slide that will turn round has not done so yet.
         let turned_by_s = moment.program_s - if moment.in_pause { JUST_BEFORE_S } else { 0.0 };
+        let driven = drive.following.followed(machine_s, &state);
+        let late_s = drive.following.late_s();
+        let turned =
+            |k: usize| drive.reversals.last(turned_by_s - late_s[k], &driven.position_mm)[k];
         let condition = Condition {
-            position_mm: state.position_mm + self.offset_mm,
-            sense: state.sense,
-            velocity_mm_s: state.velocity_mm_s,
+            position_mm: driven.position_mm + self.offset_mm,
+            sense: driven.sense,
+            velocity_mm_s: driven.velocity_mm_s,
             elapsed_s: machine_s.max(0.0),
             program_s: moment.program_s,
-            reversals: drive.reversals.last(turned_by_s, &state.position_mm),
-            lag_mm: self.lag_mm(drive, machine_s, &moment, &state)
-                + drive.following.lag_mm(machine_s),
+            reversals: [0, 1, 2].map(turned),
+            lag_mm: self.lag_mm(drive, machine_s, &moment, &state),
         };
         (moment, state, condition)
     }

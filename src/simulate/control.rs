@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::clock::Clock;
 use super::random::{Purpose, Stream};
 use crate::machine::Machine;
-use crate::motion::{BlockKind, Trajectory};
+use crate::motion::{BlockKind, State, Trajectory};
 use crate::nc::{Action, Program, Step};
 
 /// How a real control differs from the planned one.
@@ -88,12 +88,17 @@ const STEP_S: f64 = 1e-3;
 pub(super) struct Following {
     /// How far each slide is from its command every [`STEP_S`] on the machine's clock, mm; empty where none lags.
     lag_mm: Vec<Vector3<f64>>,
+    /// Time constants, s.
+    following_s: Vector3<f64>,
 }
+
+/// A slide that is nearer to its command than this has arrived, mm.
+const ARRIVED_MM: f64 = 1e-9;
 
 impl Following {
     pub(super) fn new(following_s: &Vector3<f64>, trajectory: &Trajectory, clock: &Clock) -> Self {
         if following_s.iter().all(|s| *s == 0.0) {
-            return Self { lag_mm: Vec::new() };
+            return Self { lag_mm: Vec::new(), following_s: Vector3::zeros() };
         }
         let commanded =
             |step: usize| trajectory.at(clock.moment(step as f64 * STEP_S).program_s).position_mm;
@@ -113,11 +118,31 @@ impl Following {
             }));
             before_mm = now_mm;
         }
-        Self { lag_mm }
+        Self { lag_mm, following_s: *following_s }
+    }
+
+    /// Where the slides are while they are commanded to a state, since the program began on the machine's clock: they turn
+    /// round when they have met their command, not when it turns.
+    pub(super) fn followed(&self, machine_s: f64, commanded: &State) -> State {
+        let mut state = *commanded;
+        let lag_mm = self.lag_mm(machine_s);
+        for slide in 0..3 {
+            if self.following_s[slide] > 0.0 && lag_mm[slide].abs() > ARRIVED_MM {
+                state.position_mm[slide] += lag_mm[slide];
+                state.velocity_mm_s[slide] = -lag_mm[slide] / self.following_s[slide];
+                state.sense[slide] = -lag_mm[slide].signum();
+            }
+        }
+        state
+    }
+
+    /// How late each slide turns round, s.
+    pub(super) fn late_s(&self) -> &Vector3<f64> {
+        &self.following_s
     }
 
     /// How far each slide is from its command at a time since the program began on the machine's clock, mm.
-    pub(super) fn lag_mm(&self, machine_s: f64) -> Vector3<f64> {
+    fn lag_mm(&self, machine_s: f64) -> Vector3<f64> {
         let place = machine_s.max(0.0) / STEP_S;
         let at = |step: usize| self.lag_mm.get(step).or(self.lag_mm.last()).copied();
         let (Some(before), Some(after)) = (at(place as usize), at(place as usize + 1)) else {
