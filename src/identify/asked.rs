@@ -19,7 +19,7 @@
 
 use nalgebra::Vector3;
 
-use crate::machine::{Axis, Pose};
+use crate::machine::{Axis, Mounting, Pose};
 use crate::model::{Component, LocalFrame, Model, Motion, ParameterId};
 use crate::solve::{Matrix, dot};
 
@@ -209,10 +209,12 @@ impl Lines<'_> {
         let at = self.model.situation_along(pose, &Motion::REST, 0, direction);
         let mut by = vec![0.0; self.values.len()];
         self.model.row(&at, &mut by);
-        let balls = &self.model.mountings()[0];
+        // Against the point of the workpiece that the tool touches there.
+        let touching = Mounting { coincidence_mm: pose.position_mm, ..self.model.mountings()[0] };
         let ball_mm = |values: &[f64]| {
             let errors = self.model.errors(values, pose, &Motion::REST, 0);
-            self.model.machine().ball_vector_mm(balls, &pose.position_mm, &errors)[along.index()]
+            let machine = self.model.machine();
+            machine.ball_vector_mm(&touching, &pose.position_mm, &errors)[along.index()]
         };
         Row { all: ball_mm(self.values) - ball_mm(&vec![0.0; self.values.len()]), by }
     }
