@@ -14,6 +14,9 @@ const SIDE_S: f64 = 0.25;
 const FEWEST: usize = 6;
 /// Lines that miss each other by more than so many times what is usual in the run are a step.
 const FAR_OFF: f64 = 10.0;
+/// And no slide turns round so near to either line, s, beside three standard deviations of its time: slides follow late
+/// by some 30 ms at the most.
+const LATE_S: f64 = 0.05;
 /// What is bent somewhat more than usual makes a few of them at most.
 const MOST: usize = 3;
 
@@ -23,12 +26,18 @@ impl Alignment {
         let samples = self.samples();
         let side = ((SIDE_S / self.sample_period_s) as usize).max(FEWEST);
         let longest_s = Log::GAP_PERIODS * self.sample_period_s;
+        let turns_s = self.trajectory.reversals_s();
+        let turns_between = |first: &Sample, last: &Sample| {
+            let from_s = first.program_s - 3.0 * first.time_sigma_s - LATE_S;
+            let to_s = last.program_s + 3.0 * last.time_sigma_s + LATE_S;
+            turns_s.get(turns_s.partition_point(|t| *t < from_s)).is_some_and(|t| *t <= to_s)
+        };
         let mut missed: Vec<(usize, f64)> = (side..samples.len().saturating_sub(side))
             .filter_map(|k| {
                 // The sample in between may be a mean over the step.
                 let (before, after) = (&samples[k - side..k], &samples[k + 1..=k + side]);
                 let quiet = smooth(before, longest_s) && smooth(after, longest_s);
-                let on = quiet && before[0].pose.sense == after[side - 1].pose.sense;
+                let on = quiet && !turns_between(&before[0], &after[side - 1]);
                 let at_s = samples[k].log_s;
                 on.then(|| (k, line_at_mm(after, at_s) - line_at_mm(before, at_s)))
             })

@@ -87,6 +87,7 @@ impl<'a> Fit<'a> {
             correlated: 1.0,
             plausible: model.parameters().iter().map(|p| p.plausible).collect(),
             settled: true,
+            came_to_rest: false,
             at_once: vec![false; runs.len()],
             apart: apart(&runs, timing::Detail::Full.guard_s()),
             weights: None,

@@ -83,6 +83,7 @@ impl Identification {
             sigma_mm: self.rms_mm.max(1e-9),
             correlated: self.correlated,
             settled: true,
+            came_to_rest: true,
             at_once: vec![false; self.runs.len()],
             plausible: self.estimates.iter().map(|estimate| estimate.plausible).collect(),
             apart: self.runs.iter().map(kept).collect(),

@@ -27,8 +27,13 @@ const NO_WAY_DOWN: i32 = 6;
 const LATELY: usize = 5;
 /// After so many steps only down: a time that goes to and fro over a vertex of the path would do so for ever.
 const DOWNHILL_AFTER: usize = MOST_STEPS / 2;
-/// During the first steps the samples that take part are chosen anew.
-const CHOOSING_STEPS: usize = 3;
+/// As long as a step moves any time by this much, s, the samples that take part are chosen anew, and warily: a control
+/// may do everything this much later than planned, and a sample on the wrong side of a reversal pulls its time there.
+const MOVES_S: f64 = 0.005;
+/// What is kept from reversals until then, s.
+const WARY_S: f64 = 0.05;
+/// Steps in which the noise is found, and so do the times of samples that no reversal is near.
+const FINDING_STEPS: usize = 2;
 
 /// Where a fit stood before a step.
 struct Stand {
@@ -53,12 +58,23 @@ impl Fit<'_> {
         let mut halvings = 0;
         let mut misfits: Vec<f64> = Vec::new();
         let mut chosen_s = Vec::new();
+        let mut wary = detail == timing::Detail::Full && !self.state.came_to_rest;
         for steps in 1..=MOST_STEPS {
-            // Chosen while the times still move, then held: a sample that comes and goes at a reversal
-            // would keep the fit from settling. One that has gone over a reversal is on the wrong side of it.
-            let choosing = steps <= CHOOSING_STEPS || self.moved_s(&chosen_s) > detail.guard_s();
+            // Chosen while the times still move, then held: a sample that comes and goes at a reversal would keep the fit
+            // from settling. One that has gone over a reversal is on the wrong side of it, and does not come back.
+            let moved_s = self.moved_s(&chosen_s);
+            let choosing = wary || steps <= FINDING_STEPS || moved_s > detail.guard_s();
             if choosing {
-                self.state.apart = apart(&self.runs, detail.guard_s());
+                let came_to_rest = wary && steps > FINDING_STEPS && moved_s < MOVES_S;
+                self.state.came_to_rest |= came_to_rest;
+                wary = wary && !came_to_rest && steps < DOWNHILL_AFTER;
+                let guard_s = if wary { WARY_S } else { detail.guard_s() };
+                let chosen = apart(&self.runs, guard_s);
+                if wary || came_to_rest || steps <= FINDING_STEPS {
+                    self.state.apart = chosen;
+                } else {
+                    self.state.leave_out(&chosen);
+                }
                 chosen_s = self.times_s();
                 kept = None;
                 misfits.clear();
@@ -106,8 +122,7 @@ impl Fit<'_> {
             let near = detail == timing::Detail::Smooth || change < NEARLY * scatter * rows.sqrt();
             let stand = self.stand(misfit, step, solution, scatter, near);
             self.apply(&stand.step, &stand.solution);
-            let settled = !choosing || self.state.apart == apart(&self.runs, detail.guard_s());
-            if settled && (gains_nothing || change < NEGLIGIBLE * scatter.max(1e-12)) {
+            if !wary && (gains_nothing || change < NEGLIGIBLE * scatter.max(1e-12)) {
                 return Ok(self.settled(stand, steps));
             }
             // The smooth fit only has to come near, and a fit that still moves by a little of the noise is
@@ -117,12 +132,12 @@ impl Fit<'_> {
                 self.state.settled = detail == timing::Detail::Smooth;
                 return Ok(outcome);
             }
-            if steps <= 2 {
+            if steps <= FINDING_STEPS {
                 self.state.sigma_mm =
                     (self.state.sigma_mm * scatter).max(1e-3 * self.options.noise_mm);
             }
             // Sums of squares compare where the same samples make them.
-            if steps >= CHOOSING_STEPS {
+            if !wary && steps > FINDING_STEPS {
                 misfits.push(stand.misfit);
                 kept = Some(stand);
             }

@@ -56,19 +56,22 @@ pub(super) fn identify_beside_slips(
             runs[index] = RunInput::new(name, mounting, nominal_mm, alignment);
             runs
         };
-        let Some(step_mm) = sized(&slip, |step_mm| {
+        let left_mm2 = |step_mm: f64| {
             let fitted = identify(model, without(step_mm), options).ok()?;
-            Some(fitted.rms_mm.powi(2) * fitted.used as f64)
-        }) else {
-            continue;
+            Some(squares(&fitted))
         };
+        // Taken out as it is seen, a slip already leaves less.
+        let plain_mm2 = best.as_ref().map_or(f64::INFINITY, squares);
+        if left_mm2(slip.step_mm).is_none_or(|seen_mm2| seen_mm2 > plain_mm2) {
+            continue;
+        }
+        let Some(step_mm) = sized(&slip, left_mm2) else { continue };
         let as_seen = SIGMAS.mul_add(slip.sigma_mm, IN_A_GAP * slip.step_mm.abs());
         if (step_mm - slip.step_mm).abs() > as_seen {
             continue;
         }
         let Ok(fitted) = identify(model, without(step_mm), options) else { continue };
         let better = best.as_ref().map_or(true, |plain| {
-            let squares = |of: &Identification| of.rms_mm.powi(2) * of.used as f64;
             squares(plain) - squares(&fitted) > BEYOND_CHANCE * fitted.noise.long_run_variance()
         });
         if better {
@@ -77,6 +80,11 @@ pub(super) fn identify_beside_slips(
         }
     }
     best
+}
+
+/// Sum of squares that a fit leaves, mm².
+fn squares(of: &Identification) -> f64 {
+    of.rms_mm.powi(2) * of.used as f64
 }
 
 /// Whether a fit explains a step: what it leaves of the readings next to it that took part steps by less than half of it.

@@ -16,6 +16,8 @@ pub(super) struct State {
     pub(super) plausible: Vec<Option<f64>>,
     /// Whether the last fit came to rest.
     pub(super) settled: bool,
+    /// Whether the times of samples came to rest, so that those near reversals could be let in.
+    pub(super) came_to_rest: bool,
     /// For each run whether its slides are taken to follow without a lag, because they cannot do so ahead of time.
     pub(super) at_once: Vec<bool>,
     /// Why each sample of each run takes no part; `None` where it does.
@@ -28,6 +30,13 @@ impl State {
     /// Standard deviation that a reading counts with beside what is known otherwise, mm.
     pub(super) fn counts_mm(&self) -> f64 {
         self.sigma_mm * self.correlated
+    }
+
+    /// Leaves out what others leave out too.
+    pub(super) fn leave_out(&mut self, others: &[Vec<Option<Apart>>]) {
+        for (apart, others) in self.apart.iter_mut().flatten().zip(others.iter().flatten()) {
+            *apart = apart.or(*others);
+        }
     }
 
     /// Whether anything is known of the parameters but by readings.
