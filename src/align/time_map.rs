@@ -181,8 +181,7 @@ impl TimeMap {
         any_feed: bool,
     ) -> Result<()> {
         self.excess_s = [0.0, EXCESS_S];
-        self.pace_plausible = PACE;
-        self.fit_standing(marks, clock_tolerance)?;
+        self.fit_standing(marks, clock_tolerance, NO_PACE)?;
         let marked = |at: &Mark| self.leg_of(at.program_s);
         let spans =
             marks.windows(2).map(|two| (&two[0], &two[1], marked(&two[0])..marked(&two[1])));
@@ -205,14 +204,16 @@ impl TimeMap {
                 // As different as they are long.
                 let mean_s = mean_s.max(0.0);
                 self.excess_s = [mean_s, (mean_s + open_s).min(EXCESS_S)];
-                mean_s
+                if mean_s < open_s { 0.0 } else { mean_s }
             } else {
                 // No standstill explains that: it is the feed, or readings are missing.
                 self.excess_s = [0.0, open_s.min(EXCESS_S)];
                 0.0
             };
-            self.pace_plausible = PACE.hypot(of_feed_s * standstills / lasts_s.max(f64::EPSILON));
-            self.fit_standing(marks, clock_tolerance)?;
+            let of_feed = of_feed_s * standstills / lasts_s.max(f64::EPSILON);
+            self.pace_plausible = PACE.hypot(of_feed);
+            // Durations that agree say that neither is otherwise.
+            self.fit_standing(marks, clock_tolerance, of_feed.max(NO_PACE))?;
         }
         Ok(())
     }
@@ -220,11 +221,16 @@ impl TimeMap {
     /// Rate and offsets from the marks alone, whatever clock and feed are, with standstills as the program says.
     pub(super) fn fit_marks_at_any_rate(&mut self, marks: &[Mark]) -> Result<()> {
         self.excess_s = [0.0, UNEQUAL_DELAY_S];
-        self.pace_plausible = NO_PACE;
-        self.fit_standing(marks, 1.0)
+        self.fit_standing(marks, 1.0, NO_PACE)
     }
 
-    fn fit_standing(&mut self, marks: &[Mark], clock_tolerance: f64) -> Result<()> {
+    /// The clock's rate and the pace are 0 within these.
+    fn fit_standing(
+        &mut self,
+        marks: &[Mark],
+        clock_tolerance: f64,
+        pace_sigma: f64,
+    ) -> Result<()> {
         let legs = self.offsets_s.len();
         let (rate, pace) = (legs, legs + 1);
         let mut rows = Tsqr::new(legs + 2);
@@ -246,7 +252,7 @@ impl TimeMap {
             }
         }
         rows.push_prior(rate, 0.0, clock_tolerance);
-        rows.push_prior(pace, 0.0, self.pace_plausible);
+        rows.push_prior(pace, 0.0, pace_sigma);
         let solution = solve(&rows.finish()?, Truncation::Relative(1e-12))?;
         let covariance = solution.covariance_unscaled();
         let sigmas = standard_deviations(&covariance);

@@ -41,10 +41,16 @@ impl Standing {
         let mut chosen = run::chosen(&searched, campaign);
         let mut looks = 0;
         loop {
-            let extended = match chosen {
+            let extended = match &chosen {
                 Some(chosen) => extend::extend(test, machine, campaign, chosen)?,
                 None => None,
             };
+            // Effects that cannot be together: the largest first, so the last goes.
+            if let (Some(astray), None) = (&chosen, &extended) {
+                let last = astray.fitted.elements.len() - 1;
+                chosen = astray.without(last, &searched.alone());
+                continue;
+            }
             if let Some(now) = extended.as_ref().filter(|_| looks < MOST_LOOKS)
                 && let Again::Other(other) = run::again(&now.residuals, &now.campaign, &now.chosen)
             {

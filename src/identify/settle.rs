@@ -32,8 +32,10 @@ const DOWNHILL_AFTER: usize = MOST_STEPS / 2;
 const MOVES_S: f64 = 0.005;
 /// What is kept from reversals until then, s.
 const WARY_S: f64 = 0.05;
-/// Steps in which the noise is found, and so do the times of samples that no reversal is near.
+/// Steps in which the noise is found.
 const FINDING_STEPS: usize = 2;
+/// And in which samples are chosen anew in any case.
+const CHOOSING_STEPS: usize = 3;
 
 /// Where a fit stood before a step.
 struct Stand {
@@ -63,14 +65,14 @@ impl Fit<'_> {
             // Chosen while the times still move, then held: a sample that comes and goes at a reversal would keep the fit
             // from settling. One that has gone over a reversal is on the wrong side of it, and does not come back.
             let moved_s = self.moved_s(&chosen_s);
-            let choosing = wary || steps <= FINDING_STEPS || moved_s > detail.guard_s();
+            let choosing = wary || steps <= CHOOSING_STEPS || moved_s > detail.guard_s();
             if choosing {
                 let came_to_rest = wary && steps > FINDING_STEPS && moved_s < MOVES_S;
                 self.state.came_to_rest |= came_to_rest;
                 wary = wary && !came_to_rest && steps < DOWNHILL_AFTER;
                 let guard_s = if wary { WARY_S } else { detail.guard_s() };
                 let chosen = apart(&self.runs, guard_s);
-                if wary || came_to_rest || steps <= FINDING_STEPS {
+                if wary || came_to_rest || steps <= CHOOSING_STEPS {
                     self.state.apart = chosen;
                 } else {
                     self.state.leave_out(&chosen);
@@ -137,7 +139,7 @@ impl Fit<'_> {
                     (self.state.sigma_mm * scatter).max(1e-3 * self.options.noise_mm);
             }
             // Sums of squares compare where the same samples make them.
-            if !wary && steps > FINDING_STEPS {
+            if !wary && steps >= CHOOSING_STEPS {
                 misfits.push(stand.misfit);
                 kept = Some(stand);
             }

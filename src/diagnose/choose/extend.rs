@@ -27,14 +27,15 @@ pub(crate) struct Extended {
     pub(crate) chosen: Chosen,
 }
 
-/// Identifies with the effects held, and fits the effects again, until nothing moves.
+/// Identifies with the effects held, and fits the effects again, until nothing moves; `None` where no identification
+/// comes to rest with them.
 pub(crate) fn extend(
     test: &Test,
     machine: &Machine,
     campaign: &Campaign,
-    chosen: Chosen,
+    chosen: &Chosen,
 ) -> Result<Option<Extended>> {
-    let Chosen { mut fitted, rivals } = chosen;
+    let Chosen { mut fitted, rivals } = chosen.clone();
     let mut last: Option<(Campaign, Residuals)> = None;
     for _ in 0..MOST_ROUNDS {
         let held = held(campaign, &fitted);

@@ -45,7 +45,7 @@ pub enum Separation {
 }
 
 /// What was found.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Chosen {
     pub(crate) fitted: Fitted,
     /// Other explanations of each element.
