@@ -2,11 +2,12 @@
 
 use std::ops::Range;
 
+use super::breaks::Break;
 use super::engagement::{self, Engagement, Paired};
 use super::ramp::{self, Mark, MarkKind};
 use super::run::Run;
 use super::samples::Alignment;
-use super::time_map::{Break, TimeMap};
+use super::time_map::TimeMap;
 use super::{section, stops, window};
 use crate::error::Result;
 use crate::log::{Log, Reading};

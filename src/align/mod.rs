@@ -13,6 +13,7 @@
 //! The map is straight inside a leg. A log that lost readings there without a gap in its times, or a
 //! machine that stood where the program does not say so, is refused by [`TimeStep`].
 
+mod breaks;
 mod clipped;
 mod draft;
 mod engagement;
@@ -32,6 +33,7 @@ mod tests;
 mod time_map;
 mod window;
 
+pub use breaks::Break;
 pub use engagement::{Engagement, Refusal};
 pub use lay::align;
 pub use misread::{Misread, misread};
@@ -40,5 +42,5 @@ pub use run::{Rig, Run};
 pub use samples::{Alignment, Part, Sample, Slip};
 pub use section::{Circle, Section};
 pub use steps::{ArcTime, TimeStep};
-pub use time_map::{Break, Moment, TimeMap};
+pub use time_map::{Moment, TimeMap};
 pub use window::averaged;

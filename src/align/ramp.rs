@@ -38,6 +38,18 @@ pub struct Mark {
 /// ramps of a leg have in common is another offset and does no harm, but other axes drive another ramp.
 pub(super) const UNEQUAL_DELAY_S: f64 = 1e-3;
 
+/// Slides that follow a ramp with a lag of the first order plausibly have this time constant, s.
+const LAG_S: f64 = 0.02;
+
+/// By how much a reading at a height over the foot of a ramp may be later than what all of the ramp has in common, s.
+///
+/// With the lag `T` and the speed `v` a reading is late by `T` as long as it stands higher than `v T`. Below that it comes
+/// to rest as `v T exp(-t / T)`, later by `T (ln(v T / h) - 1 + h / v T)`.
+fn later_near_foot_s(height_mm: f64, speed_mm_s: f64) -> f64 {
+    let share = height_mm / (speed_mm_s * LAG_S).max(f64::MIN_POSITIVE);
+    if share < 1.0 { LAG_S * (share - 1.0 - share.ln()) } else { 0.0 }
+}
+
 /// The mark of one end of an engagement, which the log shows as a stretch of readings.
 ///
 /// A ramp reading `d` was taken when the commanded length was `d - c`, with `c` the deviation right
@@ -64,6 +76,9 @@ pub(super) fn mark(
     let edge_log_s = inwards.first().map_or(0.0, |&first| log.readings()[first].time_s);
     let offset_mm = settled_mm(log, &inwards, ramp_s);
     let sign = if deviation_mm(edge_program_s) > 0.0 { 1.0 } else { -1.0 };
+    let speed_mm_s =
+        |time_s: f64| ((deviation_mm(time_s + 1e-4) - deviation_mm(time_s - 1e-4)) / 2e-4).abs();
+    let edge_speed_mm_s = speed_mm_s(edge_program_s);
     let mut sum = (0.0, 0.0, 0.0);
     let mut samples = 0;
     for &index in &inwards {
@@ -75,10 +90,9 @@ pub(super) fn mark(
             break;
         }
         let program_s = bisect(edge_program_s, foot_s, level_mm, &deviation_mm);
-        let speed_mm_s =
-            ((deviation_mm(program_s + 1e-4) - deviation_mm(program_s - 1e-4)) / 2e-4).abs();
-        let sigma_s =
-            (bar.noise_mm.hypot(bar.resolution_mm) / speed_mm_s.max(1e-3)).hypot(UNEQUAL_DELAY_S);
+        let sigma_s = (bar.noise_mm.hypot(bar.resolution_mm) / speed_mm_s(program_s).max(1e-3))
+            .hypot(UNEQUAL_DELAY_S)
+            .hypot(later_near_foot_s(sign * level_mm, edge_speed_mm_s));
         let weight = 1.0 / (sigma_s * sigma_s);
         sum = (sum.0 + weight, sum.1 + weight * reading.time_s, sum.2 + weight * program_s);
         samples += 1;

@@ -8,9 +8,10 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
+use super::breaks::{Break, breaks, middles_s};
 use super::ramp::{Mark, UNEQUAL_DELAY_S};
 use crate::error::Result;
-use crate::motion::{BlockKind, Trajectory};
+use crate::motion::Trajectory;
 use crate::solve::{Truncation, Tsqr, solve, standard_deviations};
 
 /// From log time to program time: with `raw = (1 + rate) · log - offset[leg]`,
@@ -63,15 +64,6 @@ pub struct TimeMap {
     middles_s: Vec<f64>,
     /// About this log time the rate turns, s: where offset and rate are least correlated.
     pub pivot_s: f64,
-}
-
-/// Where one leg ends and the next begins.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Break {
-    /// Program time, s: of an operator's pause when it begins, else when the machine moves on.
-    pub program_s: f64,
-    /// Whether the machine stands there until the operator presses start.
-    pub operator: bool,
 }
 
 /// What a standstill takes beyond what the program says plausibly is within this, s: in-position checks, and a control
@@ -128,6 +120,14 @@ impl TimeMap {
             breaks,
             pivot_s,
         }
+    }
+
+    /// By how much the real feed differs from the programmed one times the stated override, as a share of 1, and the
+    /// standard deviation; `None` where the log's durations are the program's.
+    pub fn feed_excess(&self) -> Option<[f64; 2]> {
+        let excess = (1.0 + self.override_excess) * (1.0 + self.pace) - 1.0;
+        let estimated = self.override_sigma > 0.0;
+        estimated.then(|| [excess, self.override_sigma.hypot(self.pace_sigma)])
     }
 
     /// The leg that a program time lies in; at a break, the leg after it.
@@ -371,36 +371,4 @@ impl TimeMap {
     pub fn stops_s(&self) -> Vec<f64> {
         self.breaks.iter().filter(|at| at.operator).map(|at| at.program_s).collect()
     }
-}
-
-/// The middle of each leg, s.
-fn middles_s(breaks: &[Break], trajectory: &Trajectory) -> Vec<f64> {
-    let ends_s = breaks.iter().map(|at| at.program_s).chain([trajectory.end_s()]);
-    let mut begin_s = 0.0;
-    let middle_s = |end_s: f64| 0.5 * (std::mem::replace(&mut begin_s, end_s) + end_s);
-    ends_s.map(middle_s).collect()
-}
-
-/// Every operator's pause, and of other standstills those while the bar reads or between: the machine comes to rest,
-/// and moves on.
-fn breaks(trajectory: &Trajectory, engaged_s: &Range<f64>) -> Vec<Break> {
-    let mut breaks: Vec<Break> = Vec::new();
-    // Whether the machine stands, and whether the operator has it.
-    let (mut stands, mut operator) = (false, false);
-    for block in trajectory.blocks() {
-        match block.kind {
-            BlockKind::Stop => {
-                breaks.push(Break { program_s: block.start_s, operator: true });
-                (stands, operator) = (true, true);
-            }
-            BlockKind::Dwell => stands = true,
-            BlockKind::Rapid | BlockKind::Feed => {
-                if stands && !operator && engaged_s.contains(&block.start_s) {
-                    breaks.push(Break { program_s: block.start_s, operator: false });
-                }
-                (stands, operator) = (block.ends_at_rest(), false);
-            }
-        }
-    }
-    breaks
 }

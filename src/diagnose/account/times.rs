@@ -5,11 +5,13 @@
 
 use serde::Serialize;
 
-use crate::identify::Campaign;
+use crate::identify::{Campaign, IdentifiedRun};
 use crate::plan::Test;
 
 /// A knob stands at whole percents: so near to one, the feed is the likelier reason, percent.
 const WHOLE_PERCENT: f64 = 0.05;
+/// A factor within so many standard deviations of 1 is none: 1 in 370 by chance.
+const SIGMAS: f64 = 3.0;
 
 /// One run whose time differs from what the test file says.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -56,15 +58,16 @@ pub(crate) fn off(test: &Test, campaign: &Campaign) -> Vec<OffTime> {
         runs.find(|run| run.name == name).map_or(1.0, |run| run.feed_override)
     };
     let runs = campaign.repeats.iter().flat_map(|repeat| &repeat.runs);
-    let off = runs.filter(|run| run.alignment.time_map.override_sigma > 0.0);
-    off.map(|run| {
+    let excess = |run: &'_ IdentifiedRun| run.alignment.time_map.feed_excess();
+    let off = runs.filter_map(|run| Some((run, excess(run)?)));
+    let off = off.filter(|(_, [excess, sigma])| excess.abs() > SIGMAS * sigma);
+    off.map(|(run, [excess, sigma])| {
         let map = &run.alignment.time_map;
         let stated_percent = 100.0 * stated(&run.name);
         let total = run.alignment.trajectory.duration();
         let share = total.feed_s / total.known_s().max(1e-9);
-        let excess = map.override_excess + map.pace;
         let percent = stated_percent * (1.0 + excess);
-        let sigma_percent = stated_percent * map.override_sigma;
+        let sigma_percent = stated_percent * sigma;
         OffTime {
             run: run.name.clone(),
             stated_percent,

@@ -237,8 +237,8 @@ fn run_result(
         clock_rate_sigma_ppm: finite(map.rate_sigma * 1e6),
         feed_override: FeedOverride {
             stated_percent: stated.map_or(1.0, |run| run.feed_override) * 100.0,
-            excess_percent: map.override_excess * 100.0,
-            excess_sigma_percent: (map.override_sigma > 0.0).then_some(map.override_sigma * 100.0),
+            excess_percent: map.feed_excess().map_or(0.0, |[excess, _]| excess * 100.0),
+            excess_sigma_percent: map.feed_excess().map(|[_, sigma]| sigma * 100.0),
         },
         engagement_log_s: map.log_time_s(first_s, leg),
         start_offset_s: map.offsets_s.get(leg).copied().unwrap_or(0.0),

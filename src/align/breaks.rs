@@ -1,0 +1,46 @@
+//! Where one leg of a program ends and the next begins: the machine comes to rest, and moves on.
+
+use std::ops::Range;
+
+use crate::motion::{BlockKind, Trajectory};
+
+/// Where one leg ends and the next begins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Break {
+    /// Program time, s: of an operator's pause when it begins, else when the machine moves on.
+    pub program_s: f64,
+    /// Whether the machine stands there until the operator presses start.
+    pub operator: bool,
+}
+
+/// The middle of each leg, s.
+pub(super) fn middles_s(breaks: &[Break], trajectory: &Trajectory) -> Vec<f64> {
+    let ends_s = breaks.iter().map(|at| at.program_s).chain([trajectory.end_s()]);
+    let mut begin_s = 0.0;
+    let middle_s = |end_s: f64| 0.5 * (std::mem::replace(&mut begin_s, end_s) + end_s);
+    ends_s.map(middle_s).collect()
+}
+
+/// Every operator's pause, and of other standstills those while the bar reads or between: the machine comes to rest,
+/// and moves on.
+pub(super) fn breaks(trajectory: &Trajectory, engaged_s: &Range<f64>) -> Vec<Break> {
+    let mut breaks: Vec<Break> = Vec::new();
+    // Whether the machine stands, and whether the operator has it.
+    let (mut stands, mut operator) = (false, false);
+    for block in trajectory.blocks() {
+        match block.kind {
+            BlockKind::Stop => {
+                breaks.push(Break { program_s: block.start_s, operator: true });
+                (stands, operator) = (true, true);
+            }
+            BlockKind::Dwell => stands = true,
+            BlockKind::Rapid | BlockKind::Feed => {
+                if stands && !operator && engaged_s.contains(&block.start_s) {
+                    breaks.push(Break { program_s: block.start_s, operator: false });
+                }
+                (stands, operator) = (block.ends_at_rest(), false);
+            }
+        }
+    }
+    breaks
+}
