@@ -45,6 +45,11 @@ impl Standing {
                 Some(chosen) => extend::extend(test, machine, campaign, chosen)?,
                 None => None,
             };
+            // With them it must leave less than without.
+            let extended = extended.filter(|now| {
+                let left_mm2 = beside(&now.residuals, Some(&now.chosen)).left_mm2();
+                now.residuals.rms_mm(left_mm2) < searched.rms_mm(searched.model_mm2())
+            });
             // Effects that cannot be together: the largest first, so the last goes.
             if let (Some(astray), None) = (&chosen, &extended) {
                 let last = astray.fitted.elements.len() - 1;
