@@ -174,13 +174,18 @@ impl<'a> Fit<'a> {
     /// Fits again with readings that count for as much as they do although neighbours err alike, and with what came
     /// out beyond what is plausible let go.
     fn weigh_against_plausible(&mut self, mut outcome: Outcome) -> Result<Outcome> {
+        // The more is taken for noise the more is left, and the more noise there seems to be: it is never more than
+        // readings left that counted for all they are.
+        let (mut least, most_mm) = (f64::INFINITY, self.state.sigma_mm);
         for round in 0..2 {
             let noise = self.noise(&self.left_mm(), &outcome)?;
-            self.state.correlated = (noise.long_run_variance().sqrt() / noise.sigma()).max(1.0);
+            least = least.min((noise.long_run_variance().sqrt() / noise.sigma()).max(1.0));
+            self.state.correlated = least;
             if round == 0 {
                 self.let_go();
             }
             outcome = self.iterate(timing::Detail::Full)?;
+            self.state.sigma_mm = self.state.sigma_mm.min(most_mm);
         }
         Ok(outcome)
     }

@@ -134,7 +134,7 @@ impl Fit<'_> {
                 self.state.settled = detail == timing::Detail::Smooth;
                 return Ok(outcome);
             }
-            if steps <= FINDING_STEPS {
+            if steps <= FINDING_STEPS && self.state.correlated <= 1.0 {
                 self.state.sigma_mm =
                     (self.state.sigma_mm * scatter).max(1e-3 * self.options.noise_mm);
             }
