@@ -89,17 +89,12 @@ impl Standing {
     /// The extended model, what is not known of the effects counted in its numbers; `None` where nothing is wrong.
     pub(super) fn into_model(self, test: &Test, machine: &Machine) -> Option<ExtendedModel> {
         let campaign = self.extended.map(|now| now.campaign);
-        match self.corrected {
-            Some(now) => Some(ExtendedModel {
-                test: now.test,
-                machine: now.machine,
-                campaign: campaign.unwrap_or(now.campaign),
-            }),
-            None => {
-                let (test, machine) = (test.clone(), machine.clone());
-                campaign.map(|campaign| ExtendedModel { test, machine, campaign })
-            }
-        }
+        let Some(now) = self.corrected else {
+            let (test, machine) = (test.clone(), machine.clone());
+            return campaign.map(|campaign| ExtendedModel { test, machine, campaign });
+        };
+        let campaign = campaign.unwrap_or(now.campaign);
+        Some(ExtendedModel { test: now.test, machine: now.machine, campaign })
     }
 
     /// What was stated wrong.

@@ -74,6 +74,8 @@ pub enum Suspect {
 
 /// Points of a line: errors are cubics, and a range is looked for between the points.
 const POINTS: i32 = 24;
+/// A parameter is moved this far either way to see what it does, mm and rad.
+const ASIDE: f64 = 1e-4;
 /// Faults that make less than this share of what is left open are not told.
 const SHARE: f64 = 0.1;
 
@@ -209,14 +211,17 @@ impl Lines<'_> {
         let at = self.model.situation_along(pose, &Motion::REST, 0, direction);
         let mut by = vec![0.0; self.values.len()];
         self.model.row(&at, &mut by);
-        // Against the point of the workpiece that the tool touches there.
+        let nothing = vec![0.0; self.values.len()];
+        let all = self.ball_mm(self.values, pose, along) - self.ball_mm(&nothing, pose, along);
+        Row { by, all }
+    }
+
+    /// Where the tool is through the exact chain, seen from the point of the workpiece that it touches there, mm.
+    fn ball_mm(&self, values: &[f64], pose: &Pose, along: Axis) -> f64 {
         let touching = Mounting { coincidence_mm: pose.position_mm, ..self.model.mountings()[0] };
-        let ball_mm = |values: &[f64]| {
-            let errors = self.model.errors(values, pose, &Motion::REST, 0);
-            let machine = self.model.machine();
-            machine.ball_vector_mm(&touching, &pose.position_mm, &errors)[along.index()]
-        };
-        Row { all: ball_mm(self.values) - ball_mm(&vec![0.0; self.values.len()]), by }
+        let errors = self.model.errors(values, pose, &Motion::REST, 0);
+        let machine = self.model.machine();
+        machine.ball_vector_mm(&touching, &pose.position_mm, &errors)[along.index()]
     }
 
     /// Its mean over both senses at every point of the line of an axis.
@@ -235,9 +240,22 @@ impl Lines<'_> {
         slope(&self.line(axis, along)).times(1.0 / reach_mm)
     }
 
+    /// Its derivatives are those at the parameters as they are: a rotation that no length shows turns a play of 60 um.
     fn step(&self, axis: Axis, along: Axis) -> Row {
-        let at = |sense: f64| self.displaced(&self.pose(axis, 0.0, sense), along);
-        at(1.0).plus(&at(-1.0), -1.0)
+        let at =
+            |values: &[f64], sense: f64| self.ball_mm(values, &self.pose(axis, 0.0, sense), along);
+        let step = |values: &[f64]| at(values, 1.0) - at(values, -1.0);
+        let mut beside = self.values.to_vec();
+        let by = (0..beside.len()).map(|k| {
+            let [less, more] = [-ASIDE, ASIDE].map(|aside| {
+                beside[k] = self.values[k] + aside;
+                step(&beside)
+            });
+            beside[k] = self.values[k];
+            (more - less) / (2.0 * ASIDE)
+        });
+        let by = by.collect();
+        Row { by, all: step(self.values) - step(&vec![0.0; self.values.len()]) }
     }
 
     /// What is farthest above less what is farthest below the least-squares line.

@@ -13,7 +13,7 @@ use super::input::Options;
 use super::record::{Apart, Record};
 use super::result::{Identification, IdentifiedRun};
 use super::state::State;
-use crate::align::Part;
+use crate::align::{Alignment, Part, Sample};
 use crate::error::Result;
 use crate::model::{Model, Situation};
 use crate::solve::{Basis, Matrix, dot};
@@ -27,6 +27,9 @@ pub struct LinearSample {
     pub arc: usize,
     /// Index of the section of its program that it lies on.
     pub section: usize,
+    /// How many blocks of its program lie behind it, the part of its own block among them: the same place in all repeats,
+    /// however fast each was driven.
+    pub blocks: f64,
     /// What was observed and computed, and when.
     pub record: Record,
     /// Observed minus computed, mm, where no slide follows later than others: the fit lets them, so that its times are
@@ -143,6 +146,7 @@ impl Identification {
                     run: index,
                     arc: arcs - 1,
                     section,
+                    blocks: blocks_behind(&run.alignment, sample),
                     record: *record,
                     situation: model.situation(&sample.pose, &sample.motion, run.mounting),
                     root_weight,
@@ -156,4 +160,12 @@ impl Identification {
         let deviations = faults.iter().map(|(_, sigma)| *sigma).collect();
         Ok(Linearised { samples, basis: Basis::new(rank, q), factor, deviations })
     }
+}
+
+/// How many blocks of its program lie behind a sample, the part of its own block among them.
+fn blocks_behind(alignment: &Alignment, sample: &Sample) -> f64 {
+    let part = alignment.trajectory.blocks().get(sample.block).map_or(0.0, |block| {
+        (sample.program_s - block.start_s) / block.duration_s.max(f64::EPSILON)
+    });
+    sample.block as f64 + part.clamp(0.0, 1.0)
 }

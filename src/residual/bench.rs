@@ -102,6 +102,7 @@ fn samples(machine: &Machine, mounting: &Mounting, arc: usize, forward: bool) ->
         let motion = Motion { velocity_mm_s, elapsed_s: began_s + time_s, ..Motion::REST };
         let situation = Situation::new(machine, mounting, 0, &pose).unwrap();
         Sample {
+            blocks: 0.0,
             run: 0,
             arc,
             section: usize::from(!forward),

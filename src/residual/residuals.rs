@@ -9,16 +9,17 @@ use super::column::Column;
 use crate::error::Result;
 use crate::identify::{Campaign, Identification, IdentifiedRun, LinearSample, Linearised, Options};
 use crate::machine::Machine;
+use crate::motion::Block;
 use crate::plan::Test;
 use crate::solve::{Basis, Matrix, dot};
 
-/// Programs whose durations differ by less than this share are one.
-const SAME_DURATION: f64 = 1e-6;
-/// Where a program is looked at, to tell it from others: more often than a test has arcs.
-const LOOKS: u32 = 64;
-/// Slides nearer than this are at one place, mm: programs of the same duration are there at the same time to some
-/// milliseconds, and another arc is elsewhere by its radius.
-const SAME_PLACE_MM: f64 = 1.0;
+/// Programs whose durations differ by less than this share are one: a feed that was found differs by less from repeat to
+/// repeat, and feeds that somebody compares by more.
+const SAME_DURATION: f64 = 0.01;
+/// Where a block is looked at, as a share of it: two circles of two planes have opposite ends in common.
+const INTO: f64 = 0.3;
+/// Slides nearer than this are at one place there, mm: another feed begins and ends otherwise by some hundredths.
+const SAME_PLACE_MM: f64 = 0.1;
 
 /// A reading that a fit used; its arc is counted over all runs of all repeats.
 pub type Sample = LinearSample;
@@ -65,8 +66,8 @@ pub struct Residuals {
     pub arcs: usize,
 }
 
-/// A program that was driven: mounting, duration and where the slides are on the way tell one from another. Three
-/// planes with the same arcs take the same time.
+/// A program that was driven: mounting, duration and the way of its blocks tell one from another. Three planes with the
+/// same arcs take the same time, and the same path may be driven at two feeds.
 struct Driven {
     mounting: usize,
     duration_s: f64,
@@ -76,15 +77,20 @@ struct Driven {
 impl Driven {
     fn of(run: &IdentifiedRun) -> Self {
         let trajectory = &run.alignment.trajectory;
-        let duration_s = trajectory.end_s();
-        let at = |k: u32| trajectory.at(duration_s * f64::from(k) / f64::from(LOOKS)).position_mm;
-        Self { mounting: run.mounting, duration_s, way_mm: (1..LOOKS).map(at).collect() }
+        let on_mm =
+            |block: &Block| trajectory.at(block.start_s + INTO * block.duration_s).position_mm;
+        Self {
+            mounting: run.mounting,
+            duration_s: trajectory.end_s(),
+            way_mm: trajectory.blocks().iter().map(on_mm).collect(),
+        }
     }
 
     fn is(&self, other: &Self) -> bool {
         let near = |(a, b): (&Vector3<f64>, &Vector3<f64>)| (a - b).norm() < SAME_PLACE_MM;
         self.mounting == other.mounting
             && (self.duration_s - other.duration_s).abs() < SAME_DURATION * other.duration_s
+            && self.way_mm.len() == other.way_mm.len()
             && self.way_mm.iter().zip(&other.way_mm).all(near)
     }
 }

@@ -129,20 +129,18 @@ impl Driven<'_> {
         let mut after = 0;
         for k in self.run.samples.clone() {
             let sample = &self.repeat.samples[k];
-            let time_s = sample.program_s();
-            while after < samples.len() && samples[after].program_s() < time_s {
+            while after < samples.len() && samples[after].blocks < sample.blocks {
                 after += 1;
             }
             if after == 0 || after == samples.len() || samples[after].arc != samples[after - 1].arc
             {
                 continue;
             }
-            let before_s = samples[after - 1].program_s();
-            let step_s = samples[after].program_s() - before_s;
-            if step_s > longest_s {
+            let (before, next) = (&samples[after - 1], &samples[after]);
+            if next.program_s() - before.program_s() > longest_s || next.blocks <= before.blocks {
                 continue;
             }
-            let share = (time_s - before_s) / step_s;
+            let share = (sample.blocks - before.blocks) / (next.blocks - before.blocks);
             let there = (1.0 - share) * values[after - 1] + share * values[after];
             let here = Products { sum_mm2: self.left_mm[k] * there, count: 1.0 };
             arcs[sample.arc] = arcs[sample.arc] + here;
