@@ -21,8 +21,10 @@ const IN_A_GAP: f64 = 0.25;
 const SIGMAS: f64 = 4.0;
 /// So many readings either side of a step show what a fit leaves of it.
 const NEXT_TO_IT: usize = 12;
-/// The size is found as the lowest point of a parabola, again where it lies far from where that was drawn.
+/// The size is found as the lowest point of a parabola, which is drawn again about that, closer, until it hardly moves.
 const ROUNDS: usize = 4;
+/// So much closer.
+const CLOSER: f64 = 0.25;
 
 /// Identifies the parameters of a model from runs, slips of the bar taken out.
 ///
@@ -101,10 +103,10 @@ fn explains(fit: &Identification, index: usize, slip: &Slip) -> bool {
 
 /// The size of a step that leaves least, mm; `left_mm2` is what one leaves.
 ///
-/// That is a parabola where the times stay what they are. A wrong size of 10 um moves them, so the parabola is drawn
-/// close to the size that was seen.
+/// That is a parabola where the times stay what they are. A wrong size of some micrometres moves them, so the parabola is
+/// drawn close to the size that was seen, and again.
 fn sized(slip: &Slip, left_mm2: impl Fn(f64) -> Option<f64>) -> Option<f64> {
-    let (mut step_mm, aside_mm) = (slip.step_mm, SIGMAS * slip.sigma_mm);
+    let (mut step_mm, mut aside_mm) = (slip.step_mm, SIGMAS * slip.sigma_mm);
     let farthest_mm = IN_A_GAP * slip.step_mm.abs() + aside_mm;
     for _ in 0..ROUNDS {
         let tried_mm = [step_mm - aside_mm, step_mm, step_mm + aside_mm];
@@ -116,8 +118,11 @@ fn sized(slip: &Slip, left_mm2: impl Fn(f64) -> Option<f64>) -> Option<f64> {
             return None;
         }
         step_mm += move_mm.clamp(-farthest_mm, farthest_mm);
-        if move_mm.abs() < aside_mm {
+        if move_mm.abs() < CLOSER * aside_mm {
             break;
+        }
+        if move_mm.abs() < aside_mm {
+            aside_mm *= CLOSER;
         }
     }
     Some(step_mm)

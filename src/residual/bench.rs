@@ -102,7 +102,8 @@ fn samples(machine: &Machine, mounting: &Mounting, arc: usize, forward: bool) ->
         let motion = Motion { velocity_mm_s, elapsed_s: began_s + time_s, ..Motion::REST };
         let situation = Situation::new(machine, mounting, 0, &pose).unwrap();
         Sample {
-            blocks: 0.0,
+            // A block a turn.
+            blocks: (if forward { 0.0 } else { 1.0 }) + time_s / turn_s,
             run: 0,
             arc,
             section: usize::from(!forward),
