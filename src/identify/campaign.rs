@@ -351,7 +351,7 @@ impl Campaign {
             .enumerate()
             .map(|(index, repeat)| {
                 let model = extended.model(test, machine, index)?;
-                identify(&model, repeat.again(), &options)
+                identify(&model, repeat.from_there(), &options)
             })
             .collect::<Result<Vec<_>>>()?;
         Ok(Self { repeats, ..extended })

@@ -3,6 +3,7 @@
 use super::asked::Known;
 use super::input::RunInput;
 use super::record::Record;
+use super::timing;
 use crate::align::Alignment;
 use crate::model::Parameter;
 use crate::solve::{Matrix, NoiseModel, NullDirection};
@@ -44,6 +45,14 @@ impl IdentifiedRun {
     /// The same run, to be identified otherwise.
     pub fn again(&self) -> RunInput {
         RunInput::new(self.name.clone(), self.mounting, self.nominal_mm, self.alignment.clone())
+    }
+
+    /// The same run, to be identified from where it came to rest: were its times as uncertain as noise that hangs
+    /// together leaves them, too few samples would keep clear of all reversals for a beginning.
+    pub(super) fn from_there(&self) -> RunInput {
+        let mut alignment = self.alignment.clone();
+        alignment.time_map.trust(timing::FOUND_S);
+        RunInput::new(self.name.clone(), self.mounting, self.nominal_mm, alignment)
     }
 
     /// The readings that took part.
@@ -94,6 +103,11 @@ impl Identification {
     /// The same runs, to be identified otherwise.
     pub fn again(&self) -> Vec<RunInput> {
         self.runs.iter().map(IdentifiedRun::again).collect()
+    }
+
+    /// The same runs, to be identified otherwise from where they came to rest.
+    pub(super) fn from_there(&self) -> Vec<RunInput> {
+        self.runs.iter().map(IdentifiedRun::from_there).collect()
     }
 
     /// What is known of the parameters, with the values as they were estimated.
