@@ -88,6 +88,7 @@ impl<'a> Fit<'a> {
             plausible: model.parameters().iter().map(|p| p.plausible).collect(),
             settled: true,
             came_to_rest: false,
+            bent: false,
             at_once: vec![false; runs.len()],
             apart: apart(&runs, timing::Detail::Full.guard_s()),
             weights: None,
@@ -177,6 +178,7 @@ impl<'a> Fit<'a> {
         // The more is taken for noise the more is left, and the more noise there seems to be: it is never more than
         // readings left that counted for all they are.
         let (mut least, most_mm) = (f64::INFINITY, self.state.sigma_mm);
+        self.state.bent = true;
         for round in 0..2 {
             let noise = self.noise(&self.left_mm(), &outcome)?;
             least = least.min((noise.long_run_variance().sqrt() / noise.sigma()).max(1.0));

@@ -87,6 +87,7 @@ impl Identification {
             correlated: self.correlated,
             settled: true,
             came_to_rest: true,
+            bent: self.left_open.is_some(),
             at_once: vec![false; self.runs.len()],
             plausible: self.estimates.iter().map(|estimate| estimate.plausible).collect(),
             apart: self.runs.iter().map(kept).collect(),

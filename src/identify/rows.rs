@@ -64,7 +64,12 @@ impl Fit<'_> {
     pub(super) fn fill_row(&self, row: &mut [f64], index: usize, sample: &Sample, view: &View) {
         row.fill(0.0);
         let run = &self.runs[index];
-        let situation = self.model.situation(&sample.pose, &sample.motion, run.mounting);
+        let (pose, motion) = (&sample.pose, &sample.motion);
+        let situation = if self.state.bent {
+            self.model.situation_bent(&self.state.values, pose, motion, run.mounting)
+        } else {
+            self.model.situation(pose, motion, run.mounting)
+        };
         self.model.row(&situation, &mut row[..self.columns.coefficients]);
         let map = &run.alignment.time_map;
         if let Some(offset) = self.columns.offset(index, sample.leg) {

@@ -18,6 +18,9 @@ pub(super) struct State {
     pub(super) settled: bool,
     /// Whether the times of samples came to rest, so that those near reversals could be let in.
     pub(super) came_to_rest: bool,
+    /// Whether derivatives are taken at the machine as it is bent by these values: once they are near the right ones. What
+    /// readings see by the bend of the machine alone, a step from far away would follow much too far.
+    pub(super) bent: bool,
     /// For each run whether its slides are taken to follow without a lag, because they cannot do so ahead of time.
     pub(super) at_once: Vec<bool>,
     /// Why each sample of each run takes no part; `None` where it does.

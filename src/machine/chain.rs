@@ -1,6 +1,6 @@
 //! The exact kinematic chain: from slide errors to the length between the two balls.
 
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::axis::Axis;
 use super::file::{Machine, Pivot};
@@ -29,6 +29,19 @@ impl SlideError {
     pub fn zero() -> Self {
         Self { translation_mm: Vector3::zeros(), rotation_rad: Vector3::zeros() }
     }
+
+    fn rotation(&self) -> Rotation3<f64> {
+        let [a, b, c] = self.rotation_rad.into();
+        Rotation3::from_euler_angles(a, b, c)
+    }
+
+    /// The axes about which a little more of `EAH, EBH, ECH` turns: `Rz Ry x, Rz y, z`.
+    fn axes(&self) -> Matrix3<f64> {
+        let [_, b, c] = self.rotation_rad.into();
+        let (y, z) =
+            (Rotation3::from_euler_angles(0.0, b, c), Rotation3::from_euler_angles(0.0, 0.0, c));
+        Matrix3::from_columns(&[y * Vector3::x(), z * Vector3::y(), Vector3::z()])
+    }
 }
 
 /// Everything that bends the chain at one pose.
@@ -51,6 +64,17 @@ impl ChainErrors {
             tool_ball_mm: Vector3::zeros(),
         }
     }
+}
+
+/// How a further small error of a slide displaces the ball at the end of its side: `turn · (e + (axes · eps) × lever)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lever {
+    /// What carries the slide is turned so.
+    pub turn: Rotation3<f64>,
+    /// About what the slide turns with `EAH, EBH, ECH`, each as the column that the rotations after it have left of it.
+    pub axes: Matrix3<f64>,
+    /// From the slide's pivot to the ball, in the frame of what carries the slide, mm.
+    pub lever_mm: Vector3<f64>,
 }
 
 /// Where the two balls are.
@@ -97,15 +121,58 @@ impl Machine {
     ) -> Vector3<f64> {
         // The transforms act from the outermost frame inwards.
         self.topology().slides(side).iter().rev().fold(point_mm, |point, &axis| {
-            let (location, motion) = self.step_mm(axis, position_mm);
-            let error = &errors.slides[axis.index()];
-            let [a, b, c] = error.rotation_rad.into();
-            let rotation = Rotation3::from_euler_angles(a, b, c);
-            match self.slide(axis).pivot {
-                Pivot::Carriage => location + motion + error.translation_mm + rotation * point,
-                Pivot::Base => location + error.translation_mm + rotation * (motion + point),
-            }
+            let [from_mm, lever_mm] = self.about_pivot_mm(axis, position_mm, errors, point);
+            from_mm + lever_mm
         })
+    }
+
+    /// A point that a slide carries, seen by what carries the slide, mm: the slide's pivot, and the turned way from
+    /// there.
+    fn about_pivot_mm(
+        &self,
+        axis: Axis,
+        position_mm: &Vector3<f64>,
+        errors: &ChainErrors,
+        point_mm: Vector3<f64>,
+    ) -> [Vector3<f64>; 2] {
+        let (location, motion) = self.step_mm(axis, position_mm);
+        let error = &errors.slides[axis.index()];
+        let rotation = error.rotation();
+        match self.slide(axis).pivot {
+            Pivot::Carriage => [location + motion + error.translation_mm, rotation * point_mm],
+            Pivot::Base => [location + error.translation_mm, rotation * (motion + point_mm)],
+        }
+    }
+
+    /// The levers of the X, Y and Z slides in a chain that is bent already.
+    pub fn levers(
+        &self,
+        mounting: &Mounting,
+        position_mm: &Vector3<f64>,
+        errors: &ChainErrors,
+    ) -> [Lever; 3] {
+        let mut levers = errors.slides.map(|slide| Lever {
+            turn: Rotation3::identity(),
+            axes: slide.axes(),
+            lever_mm: Vector3::zeros(),
+        });
+        for side in [Side::Tool, Side::Workpiece] {
+            let mut point_mm = match side {
+                Side::Tool => mounting.tool_ball_mm + errors.tool_ball_mm,
+                Side::Workpiece => self.workpiece_ball_mm(mounting) + errors.workpiece_ball_mm,
+            };
+            for &axis in self.topology().slides(side).iter().rev() {
+                let [from_mm, lever_mm] = self.about_pivot_mm(axis, position_mm, errors, point_mm);
+                levers[axis.index()].lever_mm = lever_mm;
+                point_mm = from_mm + lever_mm;
+            }
+            let mut turn = Rotation3::identity();
+            for &axis in self.topology().slides(side) {
+                levers[axis.index()].turn = turn;
+                turn *= errors.slides[axis.index()].rotation();
+            }
+        }
+        levers
     }
 
     /// Vector from the workpiece ball to the tool ball in `F`, mm, through the exact chain.

@@ -20,7 +20,7 @@ mod plausible;
 mod topology;
 
 pub use axis::Axis;
-pub use chain::{ChainErrors, Mounting, Pose, SlideError};
+pub use chain::{ChainErrors, Lever, Mounting, Pose, SlideError};
 pub use clearance::{Clearance, Cylinder};
 pub use file::{Controller, Dialect, Machine, Pivot, Slide};
 pub use plausible::Plausible;

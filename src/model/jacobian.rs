@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::functions::basis;
 use super::motion::Motion;
-use crate::machine::{Axis, Machine, Mounting, Pose};
+use crate::machine::{Axis, ChainErrors, Lever, Machine, Mounting, Pose};
 
 /// Derivative of the length with respect to the six errors of one slide.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,7 +19,8 @@ pub struct SlideGradient {
 ///
 /// With `r` the lever from the slide's pivot to the tool ball and `u` the unit ball vector, a slide
 /// contributes `d rho = ± u · (e + eps × r) = ± (u · e + (r × u) · eps)`, plus on the tool side and minus
-/// on the workpiece side (DESIGN.md section 3; paper, Eq. 5). These are derivatives at zero error.
+/// on the workpiece side (DESIGN.md section 3; paper, Eq. 5). These are derivatives at zero error, but for
+/// [`Situation::bent`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Situation {
     /// The pose.
@@ -28,7 +29,7 @@ pub struct Situation {
     pub motion: Motion,
     /// Index of the mounting.
     pub mounting: usize,
-    /// Unit vector from the workpiece ball to the tool ball without errors.
+    /// Unit vector from the workpiece ball to the tool ball.
     pub direction: Vector3<f64>,
     /// Derivatives for the X, Y and Z slides.
     pub slides: [SlideGradient; 3],
@@ -64,6 +65,37 @@ impl Situation {
                 rotation_mm: sign * lever.cross(&direction),
             }
         });
+        Self::of(index, pose, direction, slides)
+    }
+
+    /// The situation at a pose of a machine that is bent by errors already, so that the terms' columns are derivatives
+    /// there: a bar whose balls lie a tenth of a millimetre aside of where they should be sees a little of what is
+    /// across it. Only the balls' own set-up errors are taken in directions of `F`.
+    ///
+    /// `None` where the two balls coincide.
+    pub fn bent(
+        machine: &Machine,
+        mounting: &Mounting,
+        index: usize,
+        pose: &Pose,
+        errors: &ChainErrors,
+    ) -> Option<Self> {
+        let ball_mm = machine.ball_vector_mm(mounting, &pose.position_mm, errors);
+        let direction = ball_mm.try_normalize(f64::EPSILON)?;
+        let levers = machine.levers(mounting, &pose.position_mm, errors);
+        let slides = Axis::ALL.map(|axis| {
+            let sign = machine.topology().side(axis).sign();
+            let Lever { turn, axes, lever_mm } = &levers[axis.index()];
+            let along = turn.inverse_transform_vector(&direction);
+            SlideGradient {
+                translation: sign * along,
+                rotation_mm: sign * axes.tr_mul(&lever_mm.cross(&along)),
+            }
+        });
+        Some(Self::of(index, pose, direction, slides))
+    }
+
+    fn of(index: usize, pose: &Pose, direction: Vector3<f64>, slides: [SlideGradient; 3]) -> Self {
         let basis = [0, 1, 2].map(|i| basis(pose.position_mm[i], pose.sense[i]));
         Self { pose: *pose, motion: Motion::REST, mounting: index, direction, slides, basis }
     }

@@ -282,6 +282,23 @@ impl<'a> Model<'a> {
         Situation { motion: *motion, ..at }
     }
 
+    /// The situation at a pose of the machine that these values describe: its row is the derivative of
+    /// [`Self::length_mm`] there.
+    pub fn situation_bent(
+        &self,
+        values: &[f64],
+        pose: &Pose,
+        motion: &Motion,
+        mounting: usize,
+    ) -> Situation {
+        let errors = self.errors(values, pose, motion, mounting);
+        let balls = &self.mountings[mounting];
+        match Situation::bent(self.machine, balls, mounting, pose, &errors) {
+            Some(at) => Situation { motion: *motion, ..at },
+            None => self.situation(pose, motion, mounting),
+        }
+    }
+
     /// The situation at a pose, seen along a unit vector: its row is what the parameters displace the tool by against
     /// the workpiece, in that direction.
     pub fn situation_along(

@@ -36,8 +36,13 @@ impl Values {
 
     /// Zeros, the one at `index` with the derivative 1.
     pub(crate) fn seeded(index: usize) -> Self {
-        let mut all = Self::plain(&[0.0; 96]);
-        all.0[index] = Dual64::from(0.0).derivative();
+        Self::seeded_at(&[0.0; 96], index)
+    }
+
+    /// These numbers, the one at `index` with the derivative 1.
+    pub(crate) fn seeded_at(values: &[f64], index: usize) -> Self {
+        let mut all = Self::plain(values);
+        all.0[index] = Dual64::from(values[index]).derivative();
         all
     }
 
