@@ -21,6 +21,9 @@ use crate::residual::{Beside, Column, Residuals, Sample};
 const MOST: usize = 3;
 /// Settings that are tried through the exact chain.
 const CLOSELY: usize = 3;
+/// Tried is what would explain at least this part of what the best cause does: a place that is far off may explain more
+/// than a first step towards it says.
+const WORTH_TRYING: f64 = 0.5;
 /// Steps towards the place of a ball.
 const MOST_STEPS: usize = 6;
 /// A place is tried this far away to see what it changes, mm.
@@ -263,6 +266,12 @@ fn step(
         last = Some((setting.everywhere(), column));
     }
     tried.retain(|tried| tried.gain_mm2 > least_mm2);
+    if tried.is_empty() {
+        return Ok(None);
+    }
+    let cause = Search::new(residuals, campaign).next(None, true);
+    let best_cause_mm2 = cause.map_or(0.0, |(_, score_mm2)| score_mm2);
+    tried.retain(|tried| tried.gain_mm2 > WORTH_TRYING * best_cause_mm2);
     tried.sort_by(|a, b| b.gain_mm2.total_cmp(&a.gain_mm2));
     let mut best: Option<(Corrected, f64)> = None;
     let before_mm2 = alone.left_mm2();
@@ -277,8 +286,6 @@ fn step(
         }
     }
     let Some((mut corrected, after_mm2)) = best else { return Ok(None) };
-    let cause = Search::new(residuals, campaign).next(None, true);
-    let best_cause_mm2 = cause.map_or(0.0, |(_, score_mm2)| score_mm2);
     if before_mm2 - after_mm2 < least_mm2.max(best_cause_mm2) {
         return Ok(None);
     }
