@@ -144,7 +144,10 @@ impl Campaign {
                 Ok(campaign) => (campaign.rms_mm(), campaign.left_out.len()),
                 Err(_) => (f64::INFINITY, 0),
             };
-            if other.left_out.len() <= left_out && exchanged_mm < EXCHANGED * as_listed_mm {
+            // Where nothing fits as it is listed, anything would be better.
+            let better = exchanged_mm < EXCHANGED * as_listed_mm
+                && (as_listed_mm.is_finite() || other.repeats.iter().all(fits));
+            if other.left_out.len() <= left_out && better {
                 let as_listed = if as_listed_mm.is_finite() {
                     format!("the model leaves {:.2} um rms", 1e3 * as_listed_mm)
                 } else {
