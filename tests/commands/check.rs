@@ -39,6 +39,42 @@ fn errors_make_the_exit_code_one_and_warnings_do_not() {
     assert!(outcome.stdout().starts_with("warning: `e` in a comment"), "{}", outcome.stdout());
 }
 
+/// A sign that is lost turns the way outside into one through the workpiece ball, before and after the bar is fitted.
+#[test]
+fn a_feed_move_through_the_workpiece_ball_is_an_error() {
+    let through = [
+        ("G01 X151.500", "G01 X-151.500"),
+        ("M00 (FIT BALL-BAR)", "M00 (FIT BALL-BAR)\nG01 X0. Y0. Z0.\nG01 X151.500"),
+        ("M30", "G01 X0. Y0. Z0.\nM30"),
+    ];
+    for (from, to) in through {
+        let work = written(from, to);
+        let outcome = work.ballbar(&["check", "edited.nc", "--test", "test.toml", "--json"]);
+        assert_eq!(outcome.code(), 1, "{to}: {}", outcome.stdout());
+        let told: serde_json::Value = serde_json::from_str(&outcome.stdout()).unwrap();
+        let rules = told["findings"].as_array().unwrap().iter();
+        let first = rules.filter(|finding| finding["severity"] == "error").next().unwrap();
+        assert_eq!(first["rule"], "too-near", "{to}");
+    }
+}
+
+/// The bar of the mounting counts, not that of the test.
+#[test]
+fn a_program_is_held_against_the_bar_of_its_mounting() {
+    let work = Work::new();
+    work.machine("name", "name").test(PLAN);
+    let test = std::fs::read_to_string(work.path("test.toml")).unwrap();
+    let shorter = test.replacen("tool_ball_mm", "bar_length_mm = 100.0\ntool_ball_mm", 1);
+    work.write("shorter.toml", shorter);
+    work.ballbar(&["program", "test.toml"]).done();
+    let longer = std::fs::read_to_string(work.path("results/O1001.nc")).unwrap();
+    work.write("longer.nc", longer);
+    work.ballbar(&["program", "shorter.toml"]).done();
+    let own = work.ballbar(&["check", "results/O1001.nc", "--test", "shorter.toml"]).done();
+    assert!(own.stderr().contains("0 error(s), 0 warning(s)"), "{}", own.stderr());
+    assert_eq!(work.ballbar(&["check", "longer.nc", "--test", "shorter.toml"]).code(), 1);
+}
+
 #[test]
 fn findings_are_there_for_other_programs() {
     let work = written("G64", "G61");

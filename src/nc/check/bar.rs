@@ -91,6 +91,16 @@ impl Walk<'_, '_> {
         }
     }
 
+    fn error(&mut self, line: usize, rule: &'static str, what: String, hint: &str) {
+        let error = self.error_of(line, what).hint(hint);
+        self.findings.error(rule, error);
+    }
+
+    fn warning(&mut self, line: usize, rule: &'static str, what: String, hint: &str) {
+        let error = self.error_of(line, what).hint(hint);
+        self.findings.warning(rule, error);
+    }
+
     fn mark(&mut self, mark: &Mark) {
         match mark.word {
             None => self.gap = true,
@@ -133,11 +143,8 @@ impl Walk<'_, '_> {
             let what = format!(
                 "positioning passes {straight_mm:.3} mm from the workpiece ball, within the reach of the bar, {reach_mm:.3} mm"
             );
-            let error = self.error_of(step.line, what);
-            self.findings.error(
-                "rapid-in-reach",
-                error.hint("position outside of the reach, and move inside it at feed"),
-            );
+            let hint = "position outside of the reach, and move inside it at feed";
+            self.error(step.line, "rapid-in-reach", what, hint);
         } else if !self.gap
             && let Some(nearest_mm) =
                 self.sphere.dog_leg_mm(motion, self.machine).filter(|near| *near <= reach_mm)
@@ -145,11 +152,8 @@ impl Walk<'_, '_> {
             let what = format!(
                 "positioning passes {nearest_mm:.3} mm from the workpiece ball where every axis goes at its own rapid traverse"
             );
-            let error = self.error_of(step.line, what);
-            self.findings.warning(
-                "rapid-in-reach",
-                error.hint("a Fanuc positions in a straight line only if a parameter says so (LRP): go in two blocks"),
-            );
+            let hint = "a Fanuc positions in a straight line only if a parameter says so (LRP): go in two blocks";
+            self.warning(step.line, "rapid-in-reach", what, hint);
         }
         if self.bar == Bar::Engaged {
             self.bar = Bar::Released;
@@ -161,7 +165,11 @@ impl Walk<'_, '_> {
         let start_mm = self.sphere.distance_mm(&motion.start_mm);
         let end_mm = self.sphere.distance_mm(&motion.end_mm);
         let inside = self.sphere.reads(end_mm);
+        let [least_mm, _] = self.sphere.distances_mm(motion);
         if self.bar != Bar::Engaged {
+            if self.sphere.too_near(least_mm) {
+                self.too_near(step, least_mm);
+            }
             if inside {
                 self.engage(step, motion, start_mm);
             }
@@ -170,6 +178,9 @@ impl Walk<'_, '_> {
         }
         if inside {
             self.along(step, motion);
+        } else if self.sphere.too_near(least_mm) {
+            self.leaves(step, least_mm);
+            self.before = None;
         } else if end_mm > self.sphere.length_mm && self.radial(motion) {
             self.bar = Bar::Released;
             self.before = None;
@@ -177,6 +188,20 @@ impl Walk<'_, '_> {
             self.leaves(step, end_mm);
             self.before = None;
         }
+    }
+
+    /// A feed move inside of what the bar can be, or through the workpiece ball: whether the bar is fitted or not, no
+    /// program of a ball-bar test goes there.
+    fn too_near(&mut self, step: &Step, least_mm: f64) {
+        if self.gap {
+            return;
+        }
+        let shortest_mm = self.sphere.length_mm - self.sphere.range_mm;
+        let what = format!(
+            "the path passes {least_mm:.3} mm from the workpiece ball, nearer than the bar is short, {shortest_mm:.3} mm"
+        );
+        let hint = "check the coordinates of this block, their signs and their decimal points";
+        self.error(step.line, "too-near", what, hint);
     }
 
     /// Whether a move leads along the radius.
@@ -220,8 +245,7 @@ impl Walk<'_, '_> {
             ));
         }
         for (rule, what, hint) in told {
-            let error = self.error_of(step.line, what);
-            self.findings.warning(rule, error.hint(hint));
+            self.warning(step.line, rule, what, hint);
         }
     }
 
@@ -236,13 +260,9 @@ impl Walk<'_, '_> {
             if over_mm > 0.0 { "longer" } else { "shorter" },
             self.sphere.range_mm
         );
-        let error = self.error_of(step.line, what);
-        self.findings.error(
-            "sphere",
-            error.hint(
-                "check the coordinates of this block; feed out along the radius to release the bar",
-            ),
-        );
+        let hint =
+            "check the coordinates of this block; feed out along the radius to release the bar";
+        self.error(step.line, "sphere", what, hint);
     }
 
     /// A move with the bar engaged at both ends.
@@ -267,11 +287,8 @@ impl Walk<'_, '_> {
                 None if !goes_on && !self.radial(motion) && !self.radial(&before) => {
                     let what =
                         format!("a corner of {:.0} degrees on the sphere", corner_rad.to_degrees());
-                    let error = self.error_of(step.line, what);
-                    self.findings.warning(
-                        "corner",
-                        error.hint("check the coordinates of this block and the last; arcs are divided by a dwell"),
-                    );
+                    let hint = "check the coordinates of this block and the last; arcs are divided by a dwell";
+                    self.warning(step.line, "corner", what, hint);
                 }
                 _ => {}
             }
@@ -335,8 +352,7 @@ impl Walk<'_, '_> {
             ));
         }
         for (rule, what, hint) in told {
-            let error = self.error_of(step.line, what);
-            self.findings.warning(rule, error.hint(hint));
+            self.warning(step.line, rule, what, &hint);
         }
     }
 
@@ -369,12 +385,9 @@ impl Walk<'_, '_> {
             );
             self.findings.error("engagement", error);
         } else if self.bar == Bar::Engaged {
-            let error =
-                self.error_of(self.last, "the program ends with the bar engaged".to_owned());
-            self.findings.error(
-                "release",
-                error.hint("feed out along the radius beyond the range of the bar before the end"),
-            );
+            let what = "the program ends with the bar engaged".to_owned();
+            let hint = "feed out along the radius beyond the range of the bar before the end";
+            self.error(self.last, "release", what, hint);
         }
     }
 }

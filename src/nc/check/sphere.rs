@@ -25,10 +25,11 @@ impl Sphere {
     /// The bar of a test in one of its mountings.
     pub fn of(test: &Test, mounting: usize) -> Option<Self> {
         let plan = test.plan().ok();
+        let bar = test.bar_of(mounting);
         Some(Self {
             centre_mm: test.mountings().get(mounting)?.mounting.coincidence_mm,
-            length_mm: test.ball_bar().length_mm,
-            range_mm: test.ball_bar().range_mm,
+            length_mm: bar.length_mm,
+            range_mm: bar.range_mm,
             chord_sag_mm: plan.map(|plan| plan.chord_sag_mm),
             feed_mm_s: plan.map(|plan| plan.feed_mm_s),
         })
@@ -40,6 +41,11 @@ impl Sphere {
 
     pub(super) fn reads(&self, distance_mm: f64) -> bool {
         (distance_mm - self.length_mm).abs() <= self.range_mm
+    }
+
+    /// Whether a bar that is fitted would be pressed shorter than it can be, or a ball hit.
+    pub(super) fn too_near(&self, distance_mm: f64) -> bool {
+        distance_mm < self.length_mm - self.range_mm
     }
 
     /// Least and largest distance of a move from the workpiece ball, mm.
