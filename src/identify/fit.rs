@@ -39,7 +39,7 @@ pub fn identify(model: &Model, runs: Vec<RunInput>, options: &Options) -> Result
     }
     let mut outcome = fit.iterate(timing::Detail::Full)?;
     if coarse {
-        outcome = fit.try_elsewhere(outcome)?;
+        outcome = fit.try_elsewhere(outcome);
     }
     if options.loss != Loss::Off {
         for _ in 0..10 {
@@ -142,13 +142,9 @@ impl<'a> Fit<'a> {
     }
 
     /// Fits again with every doubtful leg where else it could lie, and keeps what fits better.
-    fn try_elsewhere(&mut self, mut best: Outcome) -> Result<Outcome> {
+    fn try_elsewhere(&mut self, mut best: Outcome) -> Outcome {
         for index in 0..self.runs.len() {
             let doubts = timing::doubts(self.model, &self.state.values, &self.runs[index]);
-            if doubts.is_empty() {
-                continue;
-            }
-            let mut left = self.would_leave()?;
             for doubt in doubts {
                 for shift_s in doubt.shifts_s.into_iter().take(MOST_PLACES) {
                     let kept = self.state.clone();
@@ -158,14 +154,12 @@ impl<'a> Fit<'a> {
                     run.alignment.time_map.offsets_s[doubt.leg] -= shift_s;
                     run.place();
                     let better_mm = BETTER * kept.sigma_mm;
-                    // Most places are seen to be none by what one step would leave.
-                    if self.would_leave()? < BETTER * left
-                        && let Ok(outcome) = self.iterate_nearby()
-                        && self.state.sigma_mm < better_mm
-                    {
-                        best = outcome;
-                        left = self.would_leave()?;
-                        break;
+                    match self.iterate(timing::Detail::Full) {
+                        Ok(outcome) if self.state.sigma_mm < better_mm => {
+                            best = outcome;
+                            break;
+                        }
+                        _ => {}
                     }
                     self.state = kept;
                     for (run, map) in self.runs.iter_mut().zip(maps) {
@@ -175,13 +169,7 @@ impl<'a> Fit<'a> {
                 }
             }
         }
-        Ok(best)
-    }
-
-    /// What a step from here would leave if all were linear, in units of the noise.
-    fn would_leave(&self) -> Result<f64> {
-        let triangle = self.triangle()?;
-        Ok(self.spectrum(&triangle)?.solve(self.truncation(triangle.rows())).residual_norm())
+        best
     }
 
     /// Fits again with readings that count for as much as they do although neighbours err alike, and with what came

@@ -10,8 +10,6 @@ use crate::solve::{Solution, Triangle, Tsqr};
 
 /// Most Gauss-Newton steps, halvings among them; ten are usual.
 const MOST_STEPS: usize = 40;
-/// And of a fit of which one leg was moved by a chord or two.
-const NEARBY_STEPS: usize = 10;
 /// A step is the last that moves all parameters together by less than this part of a standard deviation, the root of what
 /// it should lower the sum of squares by, in units of the noise; or that lowered it by no more. Of a hundred parameters
 /// the noise moves them together by ten.
@@ -27,6 +25,8 @@ const NO_WAY_DOWN: i32 = 6;
 /// The sum of squares may rise, but not above what it was so many steps ago: chords have valleys of their own, and the
 /// way out of one leads over its edge.
 const LATELY: usize = 5;
+/// After so many steps only down: a time that goes to and fro over a vertex of the path would do so for ever.
+const DOWNHILL_AFTER: usize = MOST_STEPS / 2;
 /// As long as a step moves any time by this much, s, the samples that take part are chosen anew, and warily: a control
 /// may do everything this much later than planned, and a sample on the wrong side of a reversal pulls its time there.
 const MOVES_S: f64 = 0.005;
@@ -56,24 +56,12 @@ struct Stand {
 impl Fit<'_> {
     /// Gauss-Newton until the change is negligible.
     pub(super) fn iterate(&mut self, detail: timing::Detail) -> Result<Outcome> {
-        self.iterate_within(detail, MOST_STEPS)
-    }
-
-    /// Gauss-Newton until the change is negligible, for a fit that stands near: the steps of one that has to go far it
-    /// need not take.
-    pub(super) fn iterate_nearby(&mut self) -> Result<Outcome> {
-        self.iterate_within(timing::Detail::Full, NEARBY_STEPS)
-    }
-
-    fn iterate_within(&mut self, detail: timing::Detail, most_steps: usize) -> Result<Outcome> {
-        // Then only down: a time that goes to and fro over a vertex of the path would do so for ever.
-        let downhill_after = most_steps / 2;
         let mut kept: Option<Stand> = None;
         let mut halvings = 0;
         let mut misfits: Vec<f64> = Vec::new();
         let mut chosen_s = Vec::new();
         let mut wary = detail == timing::Detail::Full && !self.state.came_to_rest;
-        for steps in 1..=most_steps {
+        for steps in 1..=MOST_STEPS {
             // Chosen while the times still move, then held: a sample that comes and goes at a reversal would keep the fit
             // from settling. One that has gone over a reversal is on the wrong side of it, and does not come back.
             let moved_s = self.moved_s(&chosen_s);
@@ -81,7 +69,7 @@ impl Fit<'_> {
             if choosing {
                 let came_to_rest = wary && steps > FINDING_STEPS && moved_s < MOVES_S;
                 self.state.came_to_rest |= came_to_rest;
-                wary = wary && !came_to_rest && steps < downhill_after;
+                wary = wary && !came_to_rest && steps < DOWNHILL_AFTER;
                 let guard_s = if wary { WARY_S } else { detail.guard_s() };
                 let chosen = apart(&self.runs, guard_s);
                 if wary || came_to_rest || steps <= CHOOSING_STEPS {
@@ -98,7 +86,7 @@ impl Fit<'_> {
             // What the last step lowered the sum of squares by.
             let gained = kept.as_ref().map(|stand| stand.misfit.powi(2) - misfit.powi(2));
             let negligible = (NEGLIGIBLE * self.state.correlated).powi(2);
-            let remembered = if steps > downhill_after { 1 } else { LATELY };
+            let remembered = if steps > DOWNHILL_AFTER { 1 } else { LATELY };
             let lately = misfits.iter().rev().take(remembered).copied().fold(0.0, f64::max);
             let worse = misfit.powi(2) > lately.powi(2) + negligible;
             if let Some(stand) = kept.take_if(|_| worse) {
@@ -141,7 +129,7 @@ impl Fit<'_> {
             }
             // The smooth fit only has to come near, and a fit that still moves by a little of the noise is
             // a result.
-            if steps == most_steps && near {
+            if steps == MOST_STEPS && near {
                 let outcome = self.settled(stand, steps);
                 self.state.settled = detail == timing::Detail::Smooth;
                 return Ok(outcome);
@@ -158,7 +146,7 @@ impl Fit<'_> {
         }
         Err(Error::new(
             Kind::Undetermined,
-            format!("the fit does not settle within {most_steps} steps"),
+            format!("the fit does not settle within {MOST_STEPS} steps"),
         )
         .hint(
             "the log may be of another program, the feed override may not have stood where the test file says, or there are too many terms for these arcs",
