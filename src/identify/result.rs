@@ -49,7 +49,7 @@ impl IdentifiedRun {
 
     /// The same run, to be identified from where it came to rest: were its times as uncertain as noise that hangs
     /// together leaves them, too few samples would keep clear of all reversals for a beginning.
-    pub(super) fn from_there(&self) -> RunInput {
+    pub(super) fn resumed(&self) -> RunInput {
         let mut alignment = self.alignment.clone();
         alignment.time_map.trust(timing::FOUND_S);
         RunInput::new(self.name.clone(), self.mounting, self.nominal_mm, alignment)
@@ -106,8 +106,8 @@ impl Identification {
     }
 
     /// The same runs, to be identified otherwise from where they came to rest.
-    pub(super) fn from_there(&self) -> Vec<RunInput> {
-        self.runs.iter().map(IdentifiedRun::from_there).collect()
+    pub(super) fn resumed(&self) -> Vec<RunInput> {
+        self.runs.iter().map(IdentifiedRun::resumed).collect()
     }
 
     /// What is known of the parameters, with the values as they were estimated.

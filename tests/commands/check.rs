@@ -52,8 +52,8 @@ fn a_feed_move_through_the_workpiece_ball_is_an_error() {
         let outcome = work.ballbar(&["check", "edited.nc", "--test", "test.toml", "--json"]);
         assert_eq!(outcome.code(), 1, "{to}: {}", outcome.stdout());
         let told: serde_json::Value = serde_json::from_str(&outcome.stdout()).unwrap();
-        let rules = told["findings"].as_array().unwrap().iter();
-        let first = rules.filter(|finding| finding["severity"] == "error").next().unwrap();
+        let mut findings = told["findings"].as_array().unwrap().iter();
+        let first = findings.find(|finding| finding["severity"] == "error").unwrap();
         assert_eq!(first["rule"], "too-near", "{to}");
     }
 }
