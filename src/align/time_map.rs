@@ -273,20 +273,6 @@ impl TimeMap {
         Ok(())
     }
 
-    /// Takes the times for known to this, s, where any sample tells them: for a fit that begins where another came to
-    /// rest, and is to tell anew how well it knows them.
-    pub(crate) fn trust(&mut self, within_s: f64) {
-        for leg in 0..self.offsets_s.len() {
-            self.offset_sigmas_s[leg] = match self.offset_sigmas_s[leg] {
-                unknown if unknown.is_infinite() => unknown,
-                known => known.min(within_s),
-            };
-            self.offset_rate_covariances_s[leg] = 0.0;
-            self.offset_pace_covariances_s[leg] = 0.0;
-        }
-        (self.rate_sigma, self.pace_sigma, self.rate_pace_covariance) = (0.0, 0.0, 0.0);
-    }
-
     /// The same map with the rate 0, every leg set by the first mark of those that it hangs together with.
     pub(super) fn at_equal_rates(&self, marks: &[Mark]) -> Self {
         let mut map = Self { rate: 0.0, pace: 0.0, ..self.clone() };

@@ -354,7 +354,7 @@ impl Campaign {
             .enumerate()
             .map(|(index, repeat)| {
                 let model = extended.model(test, machine, index)?;
-                identify(&model, repeat.resumed(), &options)
+                identify(&model, repeat.afresh(), &options)
             })
             .collect::<Result<Vec<_>>>()?;
         Ok(Self { repeats, ..extended })

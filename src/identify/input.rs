@@ -1,6 +1,6 @@
 //! What an identification is given: runs, and how to take them.
 
-use crate::align::{Alignment, Sample};
+use crate::align::{Alignment, Sample, TimeMap};
 use crate::plan::Test;
 use crate::solve::Loss;
 
@@ -40,6 +40,8 @@ pub struct RunInput {
     pub nominal_mm: f64,
     /// The aligned log.
     pub alignment: Alignment,
+    /// When the log was read by its alignment alone, before any fit.
+    pub(super) aligned: TimeMap,
     /// Its number among the runs of its repeat.
     number: usize,
     /// Its samples, where the time map of the alignment lays them.
@@ -50,7 +52,8 @@ impl RunInput {
     /// A run with its samples where its alignment lays them.
     pub fn new(name: String, mounting: usize, nominal_mm: f64, alignment: Alignment) -> Self {
         let samples = alignment.samples();
-        Self { name, mounting, nominal_mm, alignment, number: 0, samples }
+        let aligned = alignment.time_map.clone();
+        Self { name, mounting, nominal_mm, alignment, aligned, number: 0, samples }
     }
 
     /// The same as that of this number of its repeat.

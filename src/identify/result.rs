@@ -3,8 +3,7 @@
 use super::asked::Known;
 use super::input::RunInput;
 use super::record::Record;
-use super::timing;
-use crate::align::Alignment;
+use crate::align::{Alignment, TimeMap};
 use crate::model::Parameter;
 use crate::solve::{Matrix, NoiseModel, NullDirection};
 
@@ -37,6 +36,8 @@ pub struct IdentifiedRun {
     pub nominal_mm: f64,
     /// The aligned log, its time map refined.
     pub alignment: Alignment,
+    /// When the log was read by its alignment alone, before any fit.
+    pub(super) aligned: TimeMap,
     /// Its readings, in order.
     pub records: Vec<Record>,
 }
@@ -44,14 +45,20 @@ pub struct IdentifiedRun {
 impl IdentifiedRun {
     /// The same run, to be identified otherwise.
     pub fn again(&self) -> RunInput {
-        RunInput::new(self.name.clone(), self.mounting, self.nominal_mm, self.alignment.clone())
+        let mut run = self.taking(self.alignment.clone());
+        run.aligned = self.aligned.clone();
+        run
     }
 
-    /// The same run, to be identified from where it came to rest: were its times as uncertain as noise that hangs
-    /// together leaves them, too few samples would keep clear of all reversals for a beginning.
-    pub(super) fn resumed(&self) -> RunInput {
+    /// The same run, to be identified from where the first fit began: what that did not know may have moved its times
+    /// farther than a fit that begins with them comes back from.
+    pub(super) fn afresh(&self) -> RunInput {
         let mut alignment = self.alignment.clone();
-        alignment.time_map.trust(timing::FOUND_S);
+        alignment.time_map = self.aligned.clone();
+        self.taking(alignment)
+    }
+
+    fn taking(&self, alignment: Alignment) -> RunInput {
         RunInput::new(self.name.clone(), self.mounting, self.nominal_mm, alignment)
     }
 
@@ -105,9 +112,9 @@ impl Identification {
         self.runs.iter().map(IdentifiedRun::again).collect()
     }
 
-    /// The same runs, to be identified otherwise from where they came to rest.
-    pub(super) fn resumed(&self) -> Vec<RunInput> {
-        self.runs.iter().map(IdentifiedRun::resumed).collect()
+    /// The same runs, to be identified otherwise from where the first fit began.
+    pub(super) fn afresh(&self) -> Vec<RunInput> {
+        self.runs.iter().map(IdentifiedRun::afresh).collect()
     }
 
     /// What is known of the parameters, with the values as they were estimated.

@@ -13,8 +13,6 @@ const TURNING_S: f64 = 0.01;
 /// Offsets that are known to this, s, are inside the catch of the facets: a chord of a usual program
 /// takes some 80 ms, and rounding gives every one its own height.
 pub(super) const FACET_S: f64 = 0.02;
-/// Offsets of a fit that came to rest are taken for known to this, s, by one that begins there: well inside a chord.
-pub(super) const FOUND_S: f64 = 0.25 * FACET_S;
 /// Farther than this from the smooth fit no facet is looked for, s.
 const FARTHEST_S: f64 = 2.0;
 /// Step of the search, s.

@@ -227,6 +227,7 @@ impl Fit<'_> {
                 mounting: run.mounting,
                 nominal_mm: run.nominal_mm,
                 alignment: run.alignment,
+                aligned: run.aligned,
             }
         };
         self.runs.into_iter().enumerate().map(of_run).collect()
