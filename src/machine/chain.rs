@@ -15,6 +15,20 @@ pub struct Pose {
     pub sense: Vector3<f64>,
 }
 
+/// An angle of less than this, rad, has its sine and cosine from four terms of their series to the last bit.
+const SMALL_RAD: f64 = 0.01;
+
+/// Sine and cosine. The angles of slides are some 10 urad, and these are most of what the exact chain takes.
+fn sin_cos(angle_rad: f64) -> (f64, f64) {
+    if angle_rad.abs() > SMALL_RAD {
+        return angle_rad.sin_cos();
+    }
+    let square = angle_rad * angle_rad;
+    let sine = angle_rad * (1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0)));
+    let cosine = 1.0 - square / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0));
+    (sine, cosine)
+}
+
 /// The six errors of one slide at one pose, in directions of `F`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SlideError {
@@ -30,9 +44,20 @@ impl SlideError {
         Self { translation_mm: Vector3::zeros(), rotation_rad: Vector3::zeros() }
     }
 
+    /// `Rz(ECH) Ry(EBH) Rx(EAH)`, multiplied out.
     fn rotation(&self) -> Rotation3<f64> {
-        let [a, b, c] = self.rotation_rad.into();
-        Rotation3::from_euler_angles(a, b, c)
+        let [(sa, ca), (sb, cb), (sc, cc)] = <[f64; 3]>::from(self.rotation_rad).map(sin_cos);
+        Rotation3::from_matrix_unchecked(Matrix3::new(
+            cb * cc,
+            sa * sb * cc - ca * sc,
+            ca * sb * cc + sa * sc,
+            cb * sc,
+            sa * sb * sc + ca * cc,
+            ca * sb * sc - sa * cc,
+            -sb,
+            sa * cb,
+            ca * cb,
+        ))
     }
 
     /// The axes about which a little more of `EAH, EBH, ECH` turns: `Rz Ry x, Rz y, z`.
@@ -212,5 +237,22 @@ impl Machine {
             pivot += motion;
         }
         tool_ball - pivot
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rotations_are_those_of_their_angles_small_or_not() {
+        for size_rad in [0.0, 1e-9, 3e-5, 0.999 * SMALL_RAD, 1.001 * SMALL_RAD, 0.4] {
+            let rotation_rad = size_rad * Vector3::new(1.0, -0.7, 0.3);
+            let error = SlideError { rotation_rad, ..SlideError::zero() };
+            let [a, b, c] = rotation_rad.into();
+            let independent = Rotation3::from_euler_angles(a, b, c);
+            let apart = (error.rotation().matrix() - independent.matrix()).amax();
+            assert!(apart < 3e-16, "{size_rad}: {apart:e}");
+        }
     }
 }
