@@ -6,26 +6,20 @@ use crate::error::Error;
 use crate::machine::{Axis, Machine};
 use crate::nc::lex::{Fault, Word};
 use crate::nc::listing::{Line, Listing};
-use crate::nc::program::{Action, Move, Path, Step};
+use crate::nc::program::{Action, Move, Step};
 use crate::nc::run::{Mark, Ran};
 
 /// A radial move keeps within this angle of the radius: its cosine, 5 degrees.
 const RADIAL: f64 = 0.996;
 
-/// A point of an arc that is off by more was not rounded but mistyped, mm.
-const OFF_SPHERE_MM: f64 = 0.01;
-
-/// Largest sagitta without a plan that says otherwise, mm: a few times what a bar resolves.
-const SAG_MM: f64 = 1e-3;
-
 /// What interrupts the motion between two moves.
 #[derive(Debug, Clone, Copy)]
-struct Pause {
-    line: usize,
-    label: usize,
-    word: Option<Word>,
+pub(super) struct Pause {
+    pub(super) line: usize,
+    pub(super) label: usize,
+    pub(super) word: Option<Word>,
     /// It only slows the arc down, and does not end it.
-    dwell: bool,
+    pub(super) dwell: bool,
 }
 
 pub(super) fn check(
@@ -60,31 +54,31 @@ pub(super) fn check(
 
 /// What became of the bar so far.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Bar {
+pub(super) enum Bar {
     Never,
     Engaged,
     Released,
 }
 
-struct Walk<'a, 'b> {
-    listing: &'a Listing<'b>,
-    machine: &'a Machine,
-    sphere: &'a Sphere,
-    findings: &'a mut Findings,
-    bar: Bar,
+pub(super) struct Walk<'a, 'b> {
+    pub(super) listing: &'a Listing<'b>,
+    pub(super) machine: &'a Machine,
+    pub(super) sphere: &'a Sphere,
+    pub(super) findings: &'a mut Findings,
+    pub(super) bar: Bar,
     /// The operator could fit the bar.
-    stopped: bool,
-    moved: [bool; 3],
+    pub(super) stopped: bool,
+    pub(super) moved: [bool; 3],
     /// The last move, and its label, if the bar was engaged all along it.
-    before: Option<(Move, usize)>,
-    pause: Option<Pause>,
+    pub(super) before: Option<(Move, usize)>,
+    pub(super) pause: Option<Pause>,
     /// A block in between could not be followed: what leads on from it is not judged.
-    gap: bool,
-    last: usize,
+    pub(super) gap: bool,
+    pub(super) last: usize,
 }
 
 impl Walk<'_, '_> {
-    fn error_of(&self, line: usize, what: String) -> Error {
+    pub(super) fn error_of(&self, line: usize, what: String) -> Error {
         match self.listing.block_of(line) {
             Some(block) => self.listing.locate(block.line, Fault::line(what)),
             None => self.listing.whole(what),
@@ -96,7 +90,7 @@ impl Walk<'_, '_> {
         self.findings.error(rule, error);
     }
 
-    fn warning(&mut self, line: usize, rule: &'static str, what: String, hint: &str) {
+    pub(super) fn warning(&mut self, line: usize, rule: &'static str, what: String, hint: &str) {
         let error = self.error_of(line, what).hint(hint);
         self.findings.warning(rule, error);
     }
@@ -205,7 +199,7 @@ impl Walk<'_, '_> {
     }
 
     /// Whether a move leads along the radius.
-    fn radial(&self, motion: &Move) -> bool {
+    pub(super) fn radial(&self, motion: &Move) -> bool {
         let radius = motion.end_mm - self.sphere.centre_mm;
         let chord = motion.end_mm - motion.start_mm;
         radius.dot(&chord).abs() > RADIAL * radius.norm() * chord.norm()
@@ -249,7 +243,7 @@ impl Walk<'_, '_> {
         }
     }
 
-    fn leaves(&mut self, step: &Step, distance_mm: f64) {
+    pub(super) fn leaves(&mut self, step: &Step, distance_mm: f64) {
         if self.gap {
             return;
         }
@@ -263,119 +257,6 @@ impl Walk<'_, '_> {
         let hint =
             "check the coordinates of this block; feed out along the radius to release the bar";
         self.error(step.line, "sphere", what, hint);
-    }
-
-    /// A move with the bar engaged at both ends.
-    fn along(&mut self, step: &Step, motion: &Move) {
-        let length_mm = self.sphere.length_mm;
-        let [least_mm, most_mm] = self.sphere.distances_mm(motion);
-        let worst_mm = if length_mm - least_mm > most_mm - length_mm { least_mm } else { most_mm };
-        let continues = self.before.filter(|_| !self.gap);
-        if !self.sphere.reads(worst_mm) {
-            self.leaves(step, worst_mm);
-        } else if !self.gap && !self.radial(motion) {
-            self.on_arc(step, motion, worst_mm);
-        }
-        if let Some((before, label)) = continues {
-            let cosine = before.at(1.0).1.dot(&motion.at(0.0).1).clamp(-1.0, 1.0);
-            let corner_rad = cosine.acos();
-            let goes_on = corner_rad <= self.machine.controller().corner_stop_rad;
-            match self.pause {
-                Some(pause) if goes_on && (pause.label == step.label || label == step.label) => {
-                    self.inside_arc(pause);
-                }
-                None if !goes_on && !self.radial(motion) && !self.radial(&before) => {
-                    let what =
-                        format!("a corner of {:.0} degrees on the sphere", corner_rad.to_degrees());
-                    let hint = "check the coordinates of this block and the last; arcs are divided by a dwell";
-                    self.warning(step.line, "corner", what, hint);
-                }
-                _ => {}
-            }
-        }
-        self.before = Some((*motion, step.label));
-    }
-
-    /// A chord or an arc that stays on the sphere.
-    fn on_arc(&mut self, step: &Step, motion: &Move, worst_mm: f64) {
-        let controller = self.machine.controller();
-        let chord_mm = motion.length_mm();
-        let length_mm = self.sphere.length_mm;
-        let line = motion.path == Path::Line;
-        let sag_mm = if line { chord_mm * chord_mm / (8.0 * length_mm) } else { 0.0 };
-        // A chord that is rounded at both ends sags a little more than planned.
-        let allowed_mm = self.sphere.chord_sag_mm.map_or(SAG_MM, |sag| sag * 1.05 + 1e-5);
-        let ends_mm = [&motion.start_mm, &motion.end_mm]
-            .map(|point| (self.sphere.distance_mm(point) - length_mm).abs());
-        let off_mm = if line { ends_mm[1] } else { (worst_mm - length_mm).abs() };
-        let needs_s = chord_mm / motion.feed_mm_s;
-        let mut told: Vec<(&'static str, String, String)> = Vec::new();
-        if off_mm > OFF_SPHERE_MM {
-            told.push((
-                "off-sphere",
-                format!("the path is {:.1} um off the sphere", off_mm * 1e3),
-                "check the coordinates of this block: the bar reads a mistyped point as an error of the machine".to_owned(),
-            ));
-        }
-        if sag_mm > allowed_mm {
-            told.push((
-                "sag",
-                format!("the chord sags {:.2} um", sag_mm * 1e3),
-                format!("{:.2} um were planned: divide the arc more finely", allowed_mm * 1e3),
-            ));
-        }
-        if motion.exact_stop && line {
-            told.push((
-                "exact-stop",
-                "exact stop at every chord".to_owned(),
-                "write G64: with G61 or G09 the machine stops at the end of each block".to_owned(),
-            ));
-        }
-        if needs_s < controller.block_time_s * (1.0 - 1e-9) {
-            told.push((
-                "block-rate",
-                format!(
-                    "the block lasts {:.2} ms, and the control needs {:.2} ms for one",
-                    needs_s * 1e3,
-                    controller.block_time_s * 1e3
-                ),
-                "the control cannot keep the feed: lower it, or allow more sag".to_owned(),
-            ));
-        }
-        if let Some(planned) = self.sphere.feed_mm_s
-            && (motion.feed_mm_s - planned).abs() > 1e-3 * planned
-        {
-            told.push((
-                "feed",
-                format!("an arc at {:.1} mm/min", motion.feed_mm_s * 60.0),
-                format!("the test file says {:.1} mm/min", planned * 60.0),
-            ));
-        }
-        for (rule, what, hint) in told {
-            self.warning(step.line, rule, what, &hint);
-        }
-    }
-
-    fn inside_arc(&mut self, pause: Pause) {
-        let name = match (pause.word, pause.dwell) {
-            (Some(word), _) => word.name(),
-            (None, true) => "a dwell".to_owned(),
-            (None, false) => "a stop".to_owned(),
-        };
-        let error = match (pause.word, self.listing.block_of(pause.line)) {
-            (Some(word), Some(block)) => {
-                self.listing.locate(block.line, Fault::word(&word, format!("{name} inside an arc")))
-            }
-            _ => self.error_of(pause.line, format!("{name} inside an arc")),
-        };
-        let error = error.hint(
-            "it ends the look-ahead, and the arc is driven in two pieces: move it to the end of the arc",
-        );
-        if pause.word.is_none() && !pause.dwell {
-            self.findings.error("inside-arc", error);
-        } else {
-            self.findings.warning("inside-arc", error);
-        }
     }
 
     fn end(&mut self) {

@@ -18,6 +18,7 @@
 //! **Not checked:** collisions with anything but the bar, compensation that is switched on in the
 //! control, what the operator does at a stop.
 
+mod arcs;
 mod bar;
 mod findings;
 mod path;
