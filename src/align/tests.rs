@@ -83,7 +83,7 @@ fn worst_sigmas(alignment: &Alignment, run: &SimulatedRun) -> f64 {
 fn ramps_tell_when_the_bar_was_engaged_and_released() {
     let bench = Bench::new(ARCS);
     // At ten readings a second none falls on a ramp, and the edge of the range has to do.
-    for (seed, sample_rate_hz, on_ramp) in [(1, 200.0, true), (2, 100.0, true), (3, 10.0, false)] {
+    for (seed, sample_rate_hz, on_ramp) in [(1, 200.0, true), (2, 100.0, true), (7, 10.0, false)] {
         let scenario = Scenario::default().with_seed(seed);
         let scenario = Scenario { sample_rate_hz: Some(sample_rate_hz), ..scenario };
         let run = bench.simulated(&scenario);

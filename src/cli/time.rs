@@ -16,7 +16,8 @@ use crate::nc;
 ///
 /// Feeds, accelerations, corners, jerk and block time are those of the machine file. The approach to the
 /// first position has no time, because nobody knows where the machine comes from; an operator's stop has
-/// none either, and is counted.
+/// none either, and is counted. Where the zero of a work offset is tells the test file; without one, the way
+/// from a place in machine coordinates (G53) to one in a work offset is not known, and counts from zero.
 #[derive(Args)]
 #[command(after_help = "Examples:
   ballbar time O1001.nc --machine machine.toml
@@ -43,7 +44,7 @@ impl Arguments {
     pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
         let text = nc::text_of(&self.program)?;
         let Around { machine, mut reading, .. } = self.on.read(&text, talk)?;
-        // Where the zero is makes no difference to the time.
+        // Where the zero is makes no difference to the time within one work offset.
         for number in 54..=59 {
             reading.work_offsets_mm.entry(number).or_default();
         }

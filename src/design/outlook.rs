@@ -11,7 +11,7 @@ use crate::identify::{
 };
 use crate::machine::{Axis, Machine, Mounting};
 use crate::model::{self, COMPLETE, Coefficient, Model, Parameter};
-use crate::plan::{BallBar, LeastClearance, NamedMounting, Operator, Test};
+use crate::plan::{BAR_STOPS, BallBar, LeastClearance, NamedMounting, Operator, Test};
 use crate::solve::NullDirection;
 
 /// Points an axis of the grid over the working volume.
@@ -236,7 +236,7 @@ impl MountingOutlook {
             _ => false,
         });
         let mut used_mm = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
-        for point in program.path.points() {
+        for point in program.path.points_below() {
             let at = named.mounting.coincidence_mm + point;
             for axis in Axis::ALL {
                 let [low, high] = &mut used_mm[axis.index()];
@@ -270,8 +270,7 @@ fn time_by_kind(test: &Test, program: &PlannedProgram, run: &RunInput) -> (TimeB
         lengths_mm[usize::from(*transit)] += length_mm;
     }
     let operator = test.operator();
-    // The first stop of a program is to fit the bar; the others are between arcs.
-    let between = total.stops.saturating_sub(1) as f64;
+    let between = total.stops.saturating_sub(BAR_STOPS) as f64;
     time.operator_s = operator.set_up_s + operator.fit_bar_s + between * operator.stop_s;
     time.other_feed_s = total.feed_s - time.arcs_s - time.transits_s;
     (time.dwell_s, time.rapid_s, time.stops) = (total.dwell_s, total.rapid_s, total.stops);

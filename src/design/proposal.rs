@@ -16,7 +16,7 @@ use crate::error::{Error, Kind, Place, Result};
 use crate::identify;
 use crate::machine::Machine;
 use crate::model::{COMPLETE, Coefficient};
-use crate::plan::{Arc, Criterion, DesignRequest, Test};
+use crate::plan::{Arc, BAR_STOPS, Criterion, DesignRequest, Test};
 use crate::solve::Matrix;
 
 /// Points an axis over the volume: for the mean, and for the worst point.
@@ -276,7 +276,7 @@ impl<'a> Designer<'a> {
             .map(|mounting| {
                 let program = PlannedProgram::new(&test, self.machine, mounting)?;
                 let time = program.trajectory.duration();
-                let between = time.stops.saturating_sub(1) as f64;
+                let between = time.stops.saturating_sub(BAR_STOPS) as f64;
                 Ok(time.known_s()
                     + operator.set_up_s
                     + operator.fit_bar_s

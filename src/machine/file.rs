@@ -43,6 +43,8 @@ pub struct Slide {
     pub pivot: Pivot,
     /// Lead of the ball screw, mm, where known.
     pub screw_pitch_mm: Option<f64>,
+    /// Machine coordinate that it retracts to, mm; of use for Z, whose upper end takes the tool away from the workpiece.
+    pub retract_mm: f64,
     /// `T_location`: origin of the slide's frame on its neighbour at position 0, mm.
     pub location_mm: Vector3<f64>,
 }
@@ -229,6 +231,9 @@ struct RawAxes {
     z: RawSlide,
 }
 
+/// So far below the end of its travel a slide retracts to, mm: files round travels to a millimetre.
+const BELOW_THE_END_MM: f64 = 1.0;
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RawSlide {
@@ -240,6 +245,7 @@ struct RawSlide {
     #[serde(default)]
     pivot: Pivot,
     screw_pitch_mm: Option<Spanned<f64>>,
+    retract_mm: Option<Spanned<f64>>,
     #[serde(default)]
     location_mm: Option<Spanned<[f64; 3]>>,
 }
@@ -260,6 +266,10 @@ impl RawSlide {
             None => Vector3::zeros(),
             Some(at) => text.finite_vector(at, "location_mm")?,
         };
+        let retract_mm = match &self.retract_mm {
+            None => (high - BELOW_THE_END_MM).max(low),
+            Some(at) => text.within(at, "retract_mm", low, high)?,
+        };
         let no_limit_without = |value: &Option<Spanned<f64>>, key: &str| {
             value.as_ref().map_or(Ok(f64::INFINITY), |value| text.positive(value, key))
         };
@@ -277,6 +287,7 @@ impl RawSlide {
                 .screw_pitch_mm
                 .map(|pitch| text.positive(&pitch, "screw_pitch_mm"))
                 .transpose()?,
+            retract_mm,
             location_mm: location,
         })
     }

@@ -83,6 +83,8 @@ impl Duration {
 pub struct Trajectory {
     blocks: Vec<Block>,
     labels: Vec<String>,
+    /// Operator's pauses before the first move.
+    stops_before: usize,
     end_s: f64,
 }
 
@@ -99,7 +101,8 @@ impl Trajectory {
             at_mm: Vector3::zeros(),
         };
         let mut stretch: Vec<(usize, usize, Move)> = Vec::new();
-        for step in &program.steps {
+        let (before, steps) = program.steps.split_at(program.first_move());
+        for step in steps {
             match step.action {
                 Action::Move(motion) => stretch.push((step.line, step.label, motion)),
                 Action::Dwell { seconds } => {
@@ -114,7 +117,12 @@ impl Trajectory {
             }
         }
         builder.drive(&mut stretch);
-        Self { end_s: builder.now_s, blocks: builder.blocks, labels: program.labels.clone() }
+        Self {
+            end_s: builder.now_s,
+            blocks: builder.blocks,
+            stops_before: before.iter().filter(|step| step.action == Action::Stop).count(),
+            labels: program.labels.clone(),
+        }
     }
 
     /// The blocks in order.
@@ -236,7 +244,7 @@ impl Trajectory {
 
     /// Time by kind.
     pub fn duration(&self) -> Duration {
-        let mut total = Duration::default();
+        let mut total = Duration { stops: self.stops_before, ..Duration::default() };
         for block in &self.blocks {
             match block.kind {
                 BlockKind::Rapid => total.rapid_s += block.duration_s,

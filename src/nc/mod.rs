@@ -17,7 +17,7 @@
 //! | G53 | machine coordinates in this block, with G00 and G90 |
 //! | G54 to G59 | work offsets, from [`Reading::work_offsets_mm`] |
 //! | G90 G91 | absolute, incremental |
-//! | G40 G49 G80 G94 | accepted: they state what holds anyway |
+//! | G40 G49 G80 G94, G15 G50 G69 | accepted: they state what holds anyway |
 //! | G05.1 Q0/Q1, G05 P0/P10000, G08 P0/P1 | look-ahead off and on, alone in a block: no effect on the path |
 //! | M00 M01 | stop, optional stop |
 //! | M02 M30 | end |
@@ -32,7 +32,7 @@
 //!
 //! **LinuxCNC.** With the dialect `linuxcnc` a number counts in millimetres or inches with or without a
 //! point, a dwell is `G04 P` in seconds, `;` begins a comment, G64 and G61 may have P and Q, and G05,
-//! G05.1, G08 and G09 are not known.
+//! G05.1, G08, G09, G15, G50 and G69 are not known.
 //!
 //! **Numbers.** `X10.` is 10 mm. `X10` is 10 least input increments, 0.010 mm (G20: 0.0010 inch), and so
 //! are I, J, K and R; a dwell `X10` is 10 ms. A feed is mm/min (inch/min) with or without the point.

@@ -44,7 +44,7 @@ pub(crate) enum Code {
     WorkOffset(u8),
     /// G61 (true), G64.
     ExactStopMode(bool),
-    /// A word that states what holds anyway: G40, G49, G80, G94.
+    /// A word that states what holds anyway: G15, G40, G49, G50, G69, G80, G94.
     Default(u8),
     /// G09.
     ExactStop,
@@ -69,7 +69,7 @@ impl Code {
         }
         let tenths = tenths as u32;
         match (dialect, tenths) {
-            (Dialect::LinuxCnc, 50 | 51 | 80 | 90) => return Err(unknown(word)),
+            (Dialect::LinuxCnc, 50 | 51 | 80 | 90 | 150 | 500 | 690) => return Err(unknown(word)),
             (Dialect::LinuxCnc, 611) => return Ok(Self::ExactStopMode(true)),
             _ => {}
         }
@@ -88,12 +88,15 @@ impl Code {
             190 => Self::Plane(0),
             200 => Self::Inch(true),
             210 => Self::Inch(false),
+            150 => Self::Default(15),
             400 => Self::Default(40),
             490 => Self::Default(49),
+            500 => Self::Default(50),
             530 => Self::MachineCoordinates,
             tenths @ (540 | 550 | 560 | 570 | 580 | 590) => Self::WorkOffset((tenths / 10) as u8),
             610 => Self::ExactStopMode(true),
             640 => Self::ExactStopMode(false),
+            690 => Self::Default(69),
             800 => Self::Default(80),
             900 => Self::Incremental(false),
             910 => Self::Incremental(true),
@@ -114,6 +117,9 @@ impl Code {
             Self::Default(40) => (6, "cutter compensation"),
             Self::Default(49) => (7, "tool length compensation"),
             Self::Default(80) => (8, "fixed cycles"),
+            Self::Default(15) => (12, "polar coordinates"),
+            Self::Default(50) => (13, "scaling"),
+            Self::Default(69) => (14, "rotation of coordinates"),
             Self::Default(_) => (9, "the kind of feed"),
             Self::ExactStop => (10, "exact stop"),
             Self::Dwell | Self::MachineCoordinates | Self::LookAhead(_) => {
@@ -155,6 +161,17 @@ impl Miscellaneous {
     }
 }
 
+/// Which groups of modal words a program has set so far.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct Stated(u16);
+
+impl Stated {
+    /// Whether a word of the group of this one was written.
+    pub(crate) fn has(self, code: Code) -> bool {
+        self.0 & (1 << code.group().0) != 0
+    }
+}
+
 /// What stays in force from block to block.
 #[derive(Debug, Clone)]
 pub(crate) struct Modal {
@@ -172,6 +189,8 @@ pub(crate) struct Modal {
     pub(crate) exact_stop: bool,
     /// Feed in mm/s; 0 as long as there is none.
     pub(crate) feed_mm_s: f64,
+    /// What the program has said; the rest is what holds before it says anything.
+    pub(crate) stated: Stated,
 }
 
 impl Default for Modal {
@@ -184,6 +203,7 @@ impl Default for Modal {
             work_offset: 54,
             exact_stop: false,
             feed_mm_s: 0.0,
+            stated: Stated::default(),
         }
     }
 }
@@ -191,6 +211,7 @@ impl Default for Modal {
 impl Modal {
     /// Puts a G word in force.
     pub(crate) fn apply(&mut self, code: Code) {
+        self.stated.0 |= 1 << code.group().0;
         match code {
             Code::Motion(motion) => self.motion = Some(motion),
             Code::Plane(axis) => self.plane_axis = axis,
@@ -250,7 +271,7 @@ pub(crate) fn unknown(word: &Word) -> Fault {
             "tool length compensation moves the path by a value that the program does not hold: put it into the work offset"
         }
         (b'D', _) => "cutter compensation moves the path by a value that the program does not hold",
-        (b'G', 10 | 50 | 52 | 92) => "put every shift of the coordinates into the work offset",
+        (b'G', 10 | 51 | 52 | 68 | 92) => "put every shift of the coordinates into the work offset",
         (b'G', 54) => "work offsets are G54 to G59",
         (b'G', 65..=67) => "macros are not followed: write the coordinates as numbers",
         (b'G', 70..=89) => "fixed cycles are not followed: write their moves",

@@ -18,6 +18,17 @@ pub(crate) const ARC: Letters = Letters::of(b"IJKR");
 /// A shorter line is none, mm: far below any input increment, far above the rounding of a sum.
 const NO_LENGTH_MM: f64 = 1e-7;
 
+/// What the coordinates of a block make of the machine.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Moved {
+    /// Nothing.
+    Not,
+    /// It moves from a place that is known.
+    Along(Move),
+    /// It positions from a place that is not known in all three axes: where to, mm, as far as that is known.
+    Opening([Option<f64>; 3]),
+}
+
 /// The state that moves depend on.
 #[derive(Debug)]
 pub(crate) struct Machine<'a> {
@@ -69,16 +80,15 @@ impl<'a> Machine<'a> {
         }
     }
 
-    /// Obeys the coordinates of a block. None when nothing moves, or when a positioning starts from a
-    /// place that is not known.
-    pub(crate) fn motion(&mut self, command: &Command) -> Result<Option<Move>, Fault> {
+    /// Obeys the coordinates of a block.
+    pub(crate) fn motion(&mut self, command: &Command) -> Result<Moved, Fault> {
         let Some(first) = command.first(COORDINATES.and(ARC)) else {
             return match command.one_shot {
                 Some((_, word)) => {
                     Err(Fault::word(word, format!("{} without X, Y or Z", word.name()))
                         .hint("it says where to position in machine coordinates, in its own block"))
                 }
-                None => Ok(None),
+                None => Ok(Moved::Not),
             };
         };
         let Some(motion) = self.modal.motion else {
@@ -109,10 +119,10 @@ impl<'a> Machine<'a> {
             Motion::Rapid | Motion::Line => Path::Line,
         };
         if path == Path::Line && (end_mm - start_mm).norm() < NO_LENGTH_MM {
-            return Ok(None);
+            return Ok(Moved::Not);
         }
         self.position = target;
-        Ok(Some(Move {
+        Ok(Moved::Along(Move {
             rapid: false,
             path,
             start_mm,
@@ -123,14 +133,14 @@ impl<'a> Machine<'a> {
     }
 
     /// G00, from a known place or to one.
-    fn positioning(&mut self, target: [Option<f64>; 3], command: &Command) -> Option<Move> {
+    fn positioning(&mut self, target: [Option<f64>; 3], command: &Command) -> Moved {
         let start = all(self.position);
         if let (Some(start_mm), Some(end_mm)) = (start, all(target)) {
             if (end_mm - start_mm).norm() < NO_LENGTH_MM {
-                return None;
+                return Moved::Not;
             }
             self.position = target;
-            return Some(Move {
+            return Moved::Along(Move {
                 rapid: true,
                 path: Path::Line,
                 start_mm,
@@ -140,7 +150,7 @@ impl<'a> Machine<'a> {
             });
         }
         self.position = target;
-        None
+        Moved::Opening(target)
     }
 
     /// Where the coordinates of the block lead; an axis without a word stays where it is.

@@ -145,8 +145,15 @@ pub struct Program {
 }
 
 impl Program {
-    /// How many operator's stops the program makes.
+    /// Index of its first step that moves the machine from a place that is known; the number of steps without one.
+    pub fn first_move(&self) -> usize {
+        let moves = |step: &Step| matches!(step.action, Action::Move(_));
+        self.steps.iter().position(moves).unwrap_or(self.steps.len())
+    }
+
+    /// How many operator's stops the program makes from its first move on.
     pub fn stops(&self) -> usize {
-        self.steps.iter().filter(|step| step.action == Action::Stop).count()
+        let steps = &self.steps[self.first_move()..];
+        steps.iter().filter(|step| step.action == Action::Stop).count()
     }
 }

@@ -3,8 +3,8 @@
 use super::command::{Command, Letters};
 use super::lex::{Fault, Word};
 use super::listing::{Block, Line, Listing, Refuse};
-use super::modal::{Code, LookAhead, Miscellaneous};
-use super::position::{ARC, COORDINATES, Machine};
+use super::modal::{Code, LookAhead, Miscellaneous, Stated};
+use super::position::{ARC, COORDINATES, Machine, Moved};
 use super::program::{Action, Step};
 use super::reading::Reading;
 use crate::error::Result;
@@ -48,6 +48,17 @@ pub(crate) struct Mark {
     pub(crate) word: Option<Word>,
 }
 
+/// A positioning from wherever the machine stands.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Opening {
+    /// The step that comes after it.
+    pub(crate) step: usize,
+    /// Where it stands.
+    pub(crate) line: Line,
+    /// Where each axis stands after it, machine coordinates in mm, if that is known.
+    pub(crate) to_mm: [Option<f64>; 3],
+}
+
 /// What running a program yields.
 #[derive(Debug)]
 pub(crate) struct Ran {
@@ -55,6 +66,10 @@ pub(crate) struct Ran {
     pub(crate) steps: Vec<Step>,
     /// What stands between, in order.
     pub(crate) marks: Vec<Mark>,
+    /// How it gets from wherever the machine stands to its first move.
+    pub(crate) openings: Vec<Opening>,
+    /// The first block that moves the machine, and what had been stated before it.
+    pub(crate) at_first_motion: Option<(Line, Stated)>,
     /// For every block of the listing whether it ran.
     pub(crate) reached: Vec<bool>,
 }
@@ -75,6 +90,8 @@ pub(crate) fn run(
         ran: Ran {
             steps: Vec::with_capacity(listing.blocks.len()),
             marks: Vec::new(),
+            openings: Vec::new(),
+            at_first_motion: None,
             reached: vec![false; listing.blocks.len()],
         },
         calls: vec![Call { section: 0, next: listing.sections[0].blocks.start, again: 0 }],
@@ -210,8 +227,18 @@ impl Runner<'_> {
                 if let Some((_, word)) = command.one_shot {
                     self.mark(block, Some(*word));
                 }
-                if let Some(motion) = self.machine.motion(&command)? {
-                    self.step(block, Action::Move(motion));
+                let moved = self.machine.motion(&command)?;
+                if moved != Moved::Not {
+                    let stated = self.machine.modal.stated;
+                    self.ran.at_first_motion.get_or_insert((block.line, stated));
+                }
+                match moved {
+                    Moved::Not => {}
+                    Moved::Along(motion) => self.step(block, Action::Move(motion)),
+                    Moved::Opening(to_mm) => {
+                        let step = self.ran.steps.len();
+                        self.ran.openings.push(Opening { step, line: block.line, to_mm });
+                    }
                 }
             }
         }

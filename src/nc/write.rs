@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 
 use crate::error::{Error, Kind, Result};
 use crate::machine::{Controller, Dialect, Machine};
-use crate::plan::{Path, Step, Test};
+use crate::plan::{Path, Step, Test, approach_mm_s};
 
 /// A program before it is put into the words of a dialect, line by line; `N` numbers include their blank.
 enum Line {
@@ -115,11 +115,15 @@ fn render(test: &Test, machine: &Machine, path: &Path, subprograms: Option<u32>)
         next: subprograms,
         sequence: 0,
         at: None,
-        feed: number(plan.feed_mm_s * 60.0),
+        zero_mm: mounting.mounting.coincidence_mm,
+        work_offset: mounting.work_offset,
+        feed_mm_s: plan.feed_mm_s,
         feeding: false,
-        feed_written: false,
+        feed_in_force: String::new(),
     };
-    writer.block("G21 G17 G90 G94 G40 G49 G80");
+    for words in power_on(machine.controller().dialect) {
+        writer.block(words);
+    }
     writer.block(&format!("G{}", mounting.work_offset));
     let n = writer.n();
     writer.lines.push(Line::Cutting(n));
@@ -145,6 +149,8 @@ fn render(test: &Test, machine: &Machine, path: &Path, subprograms: Option<u32>)
             mounting.name, mounting.work_offset
         )),
         comment(format!("MACHINE COORDINATES X{:.3} Y{:.3} Z{:.3}", offset.x, offset.y, offset.z)),
+        comment("TOOL LENGTH IS PART OF THE WORK OFFSET - G49 IS IN FORCE".to_owned()),
+        comment("AFTER A RESET TAKE THE BALL-BAR OFF AND START FROM THE TOP".to_owned()),
     ];
     let (number, title, header, lines) = (&*number_of, &*title, &header[..], &writer.lines[..]);
     let rendered = match machine.controller().dialect {
@@ -158,6 +164,15 @@ fn render(test: &Test, machine: &Machine, path: &Path, subprograms: Option<u32>)
         text.push('\n');
     }
     Ok(text)
+}
+
+/// What a path depends on and an operator or another program may have left otherwise, block by block. G69, G15 and G50
+/// end what only a Fanuc with these options can do; the spindle stands, and the coolant is off.
+fn power_on(dialect: Dialect) -> &'static [&'static str] {
+    match dialect {
+        Dialect::Fanuc => &["G21 G17 G90 G94 G40 G49 G80", "G69", "G15", "G50", "M05", "M09"],
+        Dialect::LinuxCnc => &["G21 G17 G90 G94 G40 G49 G80", "M05", "M09"],
+    }
 }
 
 /// A number with a decimal point and no more digits than it needs: `500.`, `333.3`.
@@ -175,9 +190,14 @@ struct Writer<'a> {
     sequence: u32,
     /// The last position, in units of the last decimal.
     at: Option<[i64; 3]>,
-    feed: String,
+    /// Machine coordinates of the zero of the work offset, mm.
+    zero_mm: Vector3<f64>,
+    work_offset: u8,
+    /// The feed of the test, mm/s.
+    feed_mm_s: f64,
     feeding: bool,
-    feed_written: bool,
+    /// The last F.
+    feed_in_force: String,
 }
 
 impl Writer<'_> {
@@ -282,6 +302,20 @@ impl Writer<'_> {
         text
     }
 
+    /// A straight move, with F where another is in force.
+    fn feed(&mut self, point: &Vector3<f64>, feed_mm_s: f64) {
+        let rounded = self.rounded(point);
+        let mut words = self.words("G01 ".to_owned(), &rounded);
+        let feed = number(feed_mm_s * 60.0);
+        if self.feed_in_force != feed {
+            words += " F";
+            words += &feed;
+            self.feed_in_force = feed;
+        }
+        self.block(&words);
+        (self.at, self.feeding) = (Some(rounded), true);
+    }
+
     fn step(&mut self, step: &Step) {
         match step {
             Step::Comment(text) => {
@@ -294,16 +328,22 @@ impl Writer<'_> {
                 self.at = Some(rounded);
                 self.feeding = false;
             }
-            Step::Feed(point) => {
-                let rounded = self.rounded(point);
-                let mut words = self.words("G01 ".to_owned(), &rounded);
-                if !self.feed_written {
-                    words += " F";
-                    words += &self.feed;
-                }
-                self.block(&words);
-                (self.at, self.feeding, self.feed_written) = (Some(rounded), true, true);
+            Step::Retract(z_mm) => {
+                let rounded = self.rounded(&Vector3::repeat(*z_mm));
+                let words = self.words(String::new(), &rounded);
+                let z = words.rsplit(' ').next().unwrap_or_default();
+                self.block(&format!("G00 G53 {z}"));
+                self.at = None;
             }
+            Step::Across(point) => {
+                let rounded = self.rounded(&(self.zero_mm + point));
+                let words = self.words(String::new(), &rounded);
+                let xy = words.rsplit_once(' ').map_or("", |(xy, _)| xy);
+                self.block(&format!("G00 G53 {xy}"));
+                self.at = None;
+            }
+            Step::Slow(point) => self.feed(point, approach_mm_s(self.feed_mm_s)),
+            Step::Feed(point) => self.feed(point, self.feed_mm_s),
             Step::Chords(points) => {
                 for point in points {
                     let rounded = self.rounded(point);
@@ -326,6 +366,12 @@ impl Writer<'_> {
                 let comment = self.comment(text);
                 self.block(&format!("M00 ({comment})"));
             }
+            Step::Compare(point) => {
+                let place = self.words(String::new(), &self.rounded(point));
+                let comment = format!("IN G{} THIS MUST BE {place}", self.work_offset);
+                let comment = self.comment(&comment);
+                self.block(&format!("M00 ({comment})"));
+            }
             Step::LookAhead(on) => {
                 let words = if *on {
                     &self.controller.look_ahead_on
@@ -339,7 +385,7 @@ impl Writer<'_> {
             }
         }
         // G01 is stated anew after every interruption, for the operator who starts in the middle.
-        if !matches!(step, Step::Chords(_) | Step::Feed(_)) {
+        if !matches!(step, Step::Chords(_) | Step::Feed(_) | Step::Slow(_)) {
             self.feeding = false;
         }
     }

@@ -4,7 +4,8 @@ use std::fmt;
 
 use nalgebra::Vector3;
 
-use super::path::{Path, Step};
+use super::path::Path;
+use super::step::Step;
 use crate::machine::{Cylinder, Machine};
 
 /// What comes near to the support of the workpiece ball.

@@ -4,39 +4,11 @@ use nalgebra::{UnitVector3, Vector3};
 
 use super::arc::Arc;
 use super::parts::PathPlan;
+use super::step::Step;
 use super::test_file::Test;
+use super::ways::Ways;
 use crate::error::{Error, Place, Result};
 use crate::machine::{Axis, Machine};
-
-/// One step of the path. Positions are vectors from the workpiece ball to the tool ball, mm.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Step {
-    /// A comment in the program.
-    Comment(String),
-    /// Positioning at rapid traverse.
-    Rapid(Vector3<f64>),
-    /// A straight move at feed.
-    Feed(Vector3<f64>),
-    /// Chords along an arc, without its first point.
-    Chords(Vec<Vector3<f64>>),
-    /// Stand still, s.
-    Dwell(f64),
-    /// Wait for the operator, with what he is asked to do.
-    Stop(&'static str),
-    /// Look-ahead on (true) or off.
-    LookAhead(bool),
-}
-
-impl Step {
-    /// The points that it names, in order.
-    pub fn points(&self) -> &[Vector3<f64>] {
-        match self {
-            Self::Rapid(point) | Self::Feed(point) => std::slice::from_ref(point),
-            Self::Chords(points) => points,
-            _ => &[],
-        }
-    }
-}
 
 /// The path of one mounting.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,17 +21,12 @@ pub struct Path {
     pub arcs: Vec<(Arc, bool)>,
 }
 
-/// How far the approach stands off beyond the start of the feed-in, mm.
-const STAND_OFF_MM: f64 = 20.0;
-/// How far every slide moves, at least, on its way to the start of the feed-in, mm: enough to take up
-/// any backlash, so that the sense of every slide is known before the bar engages.
-const SENSE_MOVE_MM: f64 = 5.0;
-
 impl Path {
     /// Plans the path of one mounting of a test and checks it against the travel of the machine.
     pub fn plan(test: &Test, machine: &Machine, mounting: usize) -> Result<Self> {
         let plan = test.plan()?;
         let length_mm = test.bar_of(mounting).length_mm;
+        let ways = Ways::of(test, machine, plan, mounting);
         let mut path = Self { mounting, steps: Vec::new(), arcs: Vec::new() };
         let mut at: Option<UnitVector3<f64>> = None;
         for arc in plan.arcs(mounting) {
@@ -73,7 +40,7 @@ impl Path {
                     continue;
                 }
                 match at {
-                    None => path.engage(plan, &leg.start, length_mm),
+                    None => path.steps.extend(ways.engage(&leg.start)),
                     Some(from) => path.transit(plan, &from, &leg.start, length_mm),
                 }
                 path.drive(leg, false, plan, length_mm);
@@ -89,34 +56,9 @@ impl Path {
                 )));
         };
         path.pause(plan);
-        path.steps.push(Step::Comment("RELEASE".into()));
-        path.steps.push(Step::Feed(end.into_inner() * (length_mm + plan.feed_in_mm)));
-        path.steps.push(Step::Dwell(plan.settle_s));
+        path.steps.extend(ways.release(&end));
         path.check_travel(test, machine)?;
         Ok(path)
-    }
-
-    /// Approaches outside the bar's range with every slide moving, then feeds in along the radius.
-    fn engage(&mut self, plan: &PathPlan, start: &UnitVector3<f64>, length_mm: f64) {
-        let outside = start.into_inner() * (length_mm + plan.feed_in_mm);
-        // Beyond along the radius, and aside wherever the radius alone would not move a slide enough.
-        let aside = start.map(|s| {
-            let along = STAND_OFF_MM * s;
-            if along.abs() >= SENSE_MOVE_MM {
-                along
-            } else if along > 1e-6 {
-                SENSE_MOVE_MM
-            } else {
-                -SENSE_MOVE_MM
-            }
-        });
-        self.steps.push(Step::Comment("APPROACH".into()));
-        self.steps.push(Step::Rapid(outside + aside));
-        self.steps.push(Step::Feed(outside));
-        self.steps.push(Step::Stop("FIT BALL-BAR"));
-        self.steps.push(Step::Dwell(plan.settle_s));
-        self.steps.push(Step::Comment("ENGAGE".into()));
-        self.steps.push(Step::Feed(start.into_inner() * length_mm));
     }
 
     /// A dwell or an operator's stop between two arcs.
@@ -162,6 +104,12 @@ impl Path {
     /// Every point that the path names, in order.
     pub fn points(&self) -> impl Iterator<Item = &Vector3<f64>> {
         self.steps.iter().flat_map(Step::points)
+    }
+
+    /// The same near the balls: without the retracted places, which Z has to reach in any test.
+    pub fn points_below(&self) -> impl Iterator<Item = &Vector3<f64>> {
+        let near = |step: &&Step| !matches!(step, Step::Across(_) | Step::Rapid(_));
+        self.steps.iter().filter(near).flat_map(Step::points)
     }
 
     fn check_travel(&self, test: &Test, machine: &Machine) -> Result<()> {

@@ -200,8 +200,7 @@ fn two_mountings_may_use_bars_of_different_lengths() {
     let file = work.path("virtual/test.toml");
     let source = std::fs::read_to_string(&file).unwrap();
     // With another length the program never reaches the bar's range.
-    std::fs::write(&file, source.replace("bar_length_mm = 100.0", "bar_length_mm = 130.0"))
-        .unwrap();
+    std::fs::write(&file, source.replace("bar_length_mm = 100.0", "bar_length_mm = 90.0")).unwrap();
     let outcome = work.ballbar(&["align", "virtual/test.toml"]);
     assert_eq!(outcome.code(), 3, "{}", outcome.stderr());
     assert!(

@@ -79,8 +79,8 @@ fn every_kind_of_broken_program_is_found_in_the_right_block() {
 fn keys_of_the_machine_file_have_rules() {
     let source = std::fs::read_to_string(machine().file()).unwrap();
     for (from, to, rule, line, told) in [
-        ("decimals = 3", "decimals = 3\nblock_time_ms = 100.0", "block-rate", 16, "lasts 78.48 ms"),
-        ("decimals = 3", "decimals = 3\nmemory_kb = 0.5", "memory", 0, "program O1001 has 0.7 KB"),
+        ("decimals = 3", "decimals = 3\nblock_time_ms = 100.0", "block-rate", 21, "lasts 78.48 ms"),
+        ("decimals = 3", "decimals = 3\nmemory_kb = 0.5", "memory", 0, "program O1001 has 0.8 KB"),
         (
             "look_ahead_on = \"\"",
             "look_ahead_on = \"G05.1 Q1\"",
@@ -88,8 +88,8 @@ fn keys_of_the_machine_file_have_rules() {
             0,
             "no block `G05.1 Q1`",
         ),
-        ("pivot", "max_feed_mm_min = 100.0\npivot", "feed", 9, "axis X would feed at 471 mm/min"),
-        ("decimals = 3", "decimals = 2", "decimals", 16, "X149.999 has more than 2 decimals"),
+        ("pivot", "max_feed_mm_min = 100.0\npivot", "feed", 14, "axis X would feed at 471 mm/min"),
+        ("decimals = 3", "decimals = 2", "decimals", 21, "X149.999 has more than 2 decimals"),
     ] {
         let changed = source.replacen(from, to, 1);
         assert!(changed != source, "{from}");

@@ -2,15 +2,20 @@
 
 use ballbar::nc::Severity;
 
-/// Approach, engagement, three degrees of the equator there and back, release.
+/// Retract, approach, engagement, three degrees of the equator there and back, release, retract.
 pub(crate) const BASE: &str = "\
 %
 O1001 (BALL-BAR FREE R150 F500)
 (MOUNTING A - G54 ZERO IS THE WORKPIECE BALL)
 N10 G21 G17 G90 G94 G40 G49 G80
+G69 G15 G50
 N20 G54
 N30 G64
 (APPROACH)
+M00 (BALL-BAR MUST BE OFF)
+G00 G53 Z399.000
+G53 X191.500 Y-40.000
+N35 M00 (COMPARE)
 N40 G00 X171.500 Y-5.000 Z-5.000
 N50 G01 X151.500 Y0.000 Z0.000 F500.
 N60 M00 (FIT BALL-BAR)
@@ -37,6 +42,8 @@ N110 G04 P3000
 (RELEASE)
 N120 G01 X151.500 Y0.000 Z0.000
 N130 G04 P2000
+M00 (TAKE BALL-BAR OFF)
+G00 Z359.000
 N140 M30
 %
 ";
@@ -127,7 +134,7 @@ pub(crate) const CASES: &[Case] = &[
     case("fixed cycle", Insert("N30", "G81 Z-5.000 R2.000 F100."), E, Here(1), "G81 is not known", Passes),
     case("inverse time feed", Replace("G94", "G93"), E, Here(17), "G93 is not known", Refuses),
     case("tool change", Insert("N30", "T1 M06"), E, Here(4), "M06 is not known", Passes),
-    case("reference return", Insert("N30", "G91 G28 Z0."), E, Here(5), "G28 is not known", Passes),
+    case("reference return", Insert("N30", "G91 G28 Z0."), E, Here(5), "G28 is not known", Refuses),
     // Characters, comments, the file.
     case("lower case", Replace("G01 X149.964 Y3.272", "g01 x149.964 y3.272"), E, Here(1), "the address `g` is in lower case", Passes),
     case("lower case in a comment", Replace("(RELEASE)", "(Release)"), W, Here(3), "`e` in a comment", Passes),
@@ -152,14 +159,14 @@ pub(crate) const CASES: &[Case] = &[
     case("O of the builder", Replace("O1001", "O9001"), W, Here(1), "O9001 belongs to the machine tool builder", Passes),
     case("O with five digits", Replace("O1001", "O10010"), W, Here(1), "more than four digits", Passes),
     case("O is a name", Replace("O1001", "OBAR"), E, Here(1), "O has no number", Refuses),
-    case("O inside the program", Insert("(RELEASE)", "O1002"), E, Line("(RELEASE)", 0), "the program ends at line 31 without M30", Passes),
-    case("no M30", Replace("N140 M30\n", ""), E, Line("N130", 0), "ends at line 33 without M30", Passes),
+    case("O inside the program", Insert("(RELEASE)", "O1002"), E, Line("(RELEASE)", 0), "the program ends at line 36 without M30", Passes),
+    case("no M30", Replace("N140 M30\n", ""), E, Line("G00 Z359", 0), "ends at line 40 without M30", Passes),
     case("blocks behind M30", Insert("M30", "N150 G00 X300.000"), W, Here(0), "nothing leads to this block", Passes),
     case("M99 in the main program", Replace("M30", "M99"), E, Here(6), "M99 in the main program", Passes),
     case("two M words", Replace("N140 M30", "N140 M00 M30"), E, Here(10), "a second M in one block", Refuses),
     case("call of nothing", Insert("N90", "M98 P2000"), E, Here(5), "the file has no subprogram O2000", Refuses),
     case("subprogram that nobody calls", Replace("M30\n%\n\0", "M30\nO2000\nG04 P100\nM99\n%\n"), W, Line("G04 P100", 0), "nothing calls O2000", Passes),
-    case("subprogram without return", Replace("N140 M30\n%\n\0", "M98 P2000\nN140 M30\nO2000\nG04 P100\n%\n"), E, Line("G04 P100", 0), "subprogram O2000 ends at line 37 without M99", Passes),
+    case("subprogram without return", Replace("N140 M30\n%\n\0", "M98 P2000\nN140 M30\nO2000\nG04 P100\n%\n"), E, Line("G04 P100", 0), "subprogram O2000 ends at line 44 without M99", Passes),
     case("block delete", Replace("N100", "/N100"), W, Here(1), "depends on a switch", Passes),
     // Modal state.
     case("G00 and G01", Replace("N80 G01", "N80 G00 G01"), E, Here(9), "G01 in a block that already sets the kind of motion", Refuses),
@@ -168,9 +175,10 @@ pub(crate) const CASES: &[Case] = &[
     case("no F", Replace(" F500.", ""), E, Here(9), "a feed move without a feed", Refuses),
     case("F of zero", Replace("F500.", "F0."), E, Here(9), "a feed move without a feed", Refuses),
     case("F negative", Replace("F500.", "F-500."), E, Here(32), "the feed -500 is negative", Refuses),
-    case("another F", Replace("F500.", "F5000."), W, Line("G01 X149.999", 0), "an arc at 5000.0 mm/min", Passes),
-    case("coordinates before any G00", Replace("N40 G00", "N40"), E, Here(5), "coordinates before the first G00", Refuses),
-    case("incremental from nowhere", Replace("G90", "G91"), E, Line("N40", 9), "an incremental move from a place of X", Passes),
+    case("a larger F", Replace("F500.", "F5000."), E, Line("N80", 0), "5000.0 mm/min with the bar fitted", Passes),
+    case("a smaller F", Replace("F500.", "F50."), W, Line("G01 X149.999", 0), "an arc at 50.0 mm/min", Passes),
+    case("coordinates before any G00", Replace("G00 G53 Z399.000", "Z399.000"), E, Here(1), "coordinates before the first G00", Refuses),
+    case("incremental from nowhere", Replace("G90", "G91"), E, Line("N40", 9), "an incremental move from a place of X", Refuses),
     case("incremental by mistake", Replace("G01 X149.999", "G91 G01 X149.999"), E, Here(9), "axis X would go to 319.999 mm", Passes),
     case("other work offset", Replace("N20 G54", "N20 G55"), E, Line("N40", 9), "a coordinate in G55, which is not known", Passes),
     case("inches", Replace("G21", "G20"), E, Line("N40", 9), "axis X would go to 4376.100 mm", Passes),
@@ -205,10 +213,19 @@ pub(crate) const CASES: &[Case] = &[
     case("exact stop in one block", Replace(CHORD, "G09 X149.987 Y1.963 Z0.000"), W, Here(0), "exact stop at every chord", OnlyItself("G09 is a Fanuc's exact stop; it is only worth a warning")),
     case("no engagement", Replace("N80 G01 X150.000 Y0.000 Z0.000\n", ""), W, Line("G01 X149.999", 0), "the bar does not engage along the radius", Passes),
     case("nowhere near the sphere", Replace("G01 X151.500", "M30"), E, File, "the bar never engages", Passes),
-    case("no release", Replace("N120 G01 X151.500 Y0.000 Z0.000\n", ""), E, Line("N140", 0), "the program ends with the bar engaged", Passes),
+    case("no release", Replace("N120 G01 X151.500 Y0.000 Z0.000\n", ""), E, Line("G00 Z359", 0), "within the reach of the bar", Passes),
     case("release to the inside", Replace("N120 G01 X151.500", "N120 G01 X148.500"), E, Here(0), "1.500 mm shorter", Passes),
     case("no stop to fit the bar", Replace("N60 M00 (FIT BALL-BAR)\n", ""), W, Line("N80", 0), "no M00 before the bar engages", Passes),
-    case("a slide that has not moved", Replace("Y-5.000 Z-5.000", "Y-5.000 Z0.000"), W, Line("N80", 0), "Z has not moved when the bar engages", Passes),
+    case("a slide that has not moved", Replace("Y-40.000\nN35 M00 (COMPARE)\nN40 G00 X171.500 Y-5.000", "Y-35.000\nN35 M00 (COMPARE)\nN40 G00 X171.500 Y0.000"), W, Line("N80", 0), "Y has not moved when the bar engages", Passes),
+    case("bar not taken off", Replace("M00 (TAKE BALL-BAR OFF)\n", ""), E, Line("G00 Z359", 0), "positioning with the bar fitted", Passes),
+    case("end with the bar fitted", Replace("M00 (TAKE BALL-BAR OFF)\nG00 Z359.000\n", ""), W, Line("N140", 0), "the program ends with the bar fitted", Passes),
+    case("second start", Replace("G00 G53 Z399.000\nG53 X191.500 Y-40.000\nN35 M00 (COMPARE)\nN40 G00 X171.500", "N40 G00 X-171.500"), E, Line("N40", 0), "started again from its end, positioning passes", Passes),
+    // What is in force at power-on.
+    case("first motion", Replace("G00 G53 Z399.000\nG53 X191", "G00 G53 X191"), W, Line("G00 G53 X191", 0), "the first motion is not the retract of Z alone", Passes),
+    case("absolute or not", Replace("G90 G94", "G94"), E, Line("G00 G53", 0), "before the program has stated G90", Passes),
+    case("compensation or not", Replace(" G40 G49", ""), E, Line("G00 G53", 0), "before the program has stated G40, G49", Passes),
+    case("work offset or not", Replace("N20 G54\n", ""), E, Line("G00 G53", 0), "before the program has stated G54", Passes),
+    case("rotation or not", Replace("G69 G15 G50\n", ""), W, Line("G00 G53", 0), "before the program has stated G69, G15, G50", Passes),
 ];
 
 const LONG: &str = concat!(

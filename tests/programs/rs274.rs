@@ -48,10 +48,10 @@ pub(crate) fn interpret(program: &str) -> Result<Canon, String> {
 }
 
 /// The words in which a Fanuc and LinuxCNC differ, as LinuxCNC writes them: dwells count in seconds by P,
-/// and the look-ahead has no words.
+/// and neither the look-ahead nor rotation, polar coordinates and scaling have words.
 pub(crate) fn translated(fanuc: &str) -> String {
     let block = |line: &str| {
-        if line.contains("G05") || line.contains("G08 P") {
+        if ["G05", "G08 P", "G69", "G15", "G50"].iter().any(|word| line.contains(word)) {
             return String::new();
         }
         match line.split_once("G04 P") {

@@ -6,7 +6,7 @@ use ballbar::machine::Machine;
 use ballbar::motion::Trajectory;
 use ballbar::nc;
 use ballbar::plan::log_format::ReadingKind;
-use ballbar::plan::{Part, Path, Test};
+use ballbar::plan::{BAR_STOPS, Part, Path, Test};
 
 use crate::outside::{found_or_skipped, installed};
 use crate::rs274;
@@ -111,9 +111,14 @@ fn rs274_drives_what_was_planned() {
                     let time = Trajectory::new(&program, &machine, 1.0).duration();
                     assert!((canon.dwell_s - time.dwell_s).abs() < 1e-6, "dwells");
                     assert_eq!(canon.stops, time.stops, "stops");
+                    // The retract comes from nowhere, and the way across is in machine coordinates.
                     let planned: Vec<_> = path.points().collect();
-                    assert_eq!(canon.ends_mm.len(), planned.len());
-                    for (end_mm, point) in canon.ends_mm.iter().zip(&planned) {
+                    assert_eq!(canon.ends_mm.len(), planned.len() + 1);
+                    let across_mm = test.mountings()[0].mounting.coincidence_mm + planned[0];
+                    for axis in 0..2 {
+                        worst_mm = worst_mm.max((canon.ends_mm[1][axis] - across_mm[axis]).abs());
+                    }
+                    for (end_mm, point) in canon.ends_mm[2..].iter().zip(&planned[1..]) {
                         for axis in 0..3 {
                             worst_mm = worst_mm.max((end_mm[axis] - point[axis]).abs());
                         }
@@ -359,8 +364,8 @@ fn stops_between_arcs_replace_the_dwells() {
     let test = test("[20.0, -35.0, 40.0]", "strategy = \"2d\"\nstop_between_arcs = true");
     let (program, _, text) = written_and_read(&machine, &test);
     let duration = Trajectory::new(&program, &machine, 1.0).duration();
-    // Fitting the bar, and one after each of the six arcs.
-    assert_eq!(duration.stops, 7);
+    // Those for the bar, and one after each of the six arcs.
+    assert_eq!(duration.stops, BAR_STOPS + 6);
     assert!(text.contains("M00 (PRESS START TO GO ON)"));
 }
 

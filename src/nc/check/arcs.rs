@@ -10,7 +10,24 @@ const OFF_SPHERE_MM: f64 = 0.01;
 /// Largest sagitta without a plan that says otherwise, mm: a few times what a bar resolves.
 const SAG_MM: f64 = 1e-3;
 
+/// Feeds that differ by less, as a share, are the same: F is rounded.
+const SAME: f64 = 1e-3;
+
 impl Walk<'_, '_> {
+    /// With the bar fitted, nothing goes faster than planned.
+    pub(super) fn too_fast(&mut self, step: &Step, motion: &Move) {
+        if let Some(planned) = self.sphere.feed_mm_s
+            && motion.feed_mm_s > planned * (1.0 + SAME)
+        {
+            let what = format!(
+                "{:.1} mm/min with the bar fitted, and the test file says {:.1} mm/min",
+                motion.feed_mm_s * 60.0,
+                planned * 60.0
+            );
+            self.error(step.line, "feed", what, "correct F, or `feed_mm_min` in the test file");
+        }
+    }
+
     /// A move with the bar engaged at both ends.
     pub(super) fn along(&mut self, step: &Step, motion: &Move) {
         let length_mm = self.sphere.length_mm;
@@ -89,7 +106,7 @@ impl Walk<'_, '_> {
             ));
         }
         if let Some(planned) = self.sphere.feed_mm_s
-            && (motion.feed_mm_s - planned).abs() > 1e-3 * planned
+            && motion.feed_mm_s < planned * (1.0 - SAME)
         {
             told.push((
                 "feed",

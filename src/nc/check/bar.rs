@@ -3,7 +3,7 @@
 use super::findings::Findings;
 use super::sphere::Sphere;
 use crate::error::Error;
-use crate::machine::{Axis, Machine};
+use crate::machine::{Axis, Dialect, Machine};
 use crate::nc::lex::{Fault, Word};
 use crate::nc::listing::{Line, Listing};
 use crate::nc::program::{Action, Move, Step};
@@ -36,6 +36,7 @@ pub(super) fn check(
         findings,
         bar: Bar::Never,
         stopped: false,
+        fitted: false,
         moved: [false; 3],
         before: None,
         pause: None,
@@ -50,6 +51,7 @@ pub(super) fn check(
         walk.step(step);
     }
     walk.end();
+    walk.starts(ran);
 }
 
 /// What became of the bar so far.
@@ -66,8 +68,10 @@ pub(super) struct Walk<'a, 'b> {
     pub(super) sphere: &'a Sphere,
     pub(super) findings: &'a mut Findings,
     pub(super) bar: Bar,
-    /// The operator could fit the bar.
+    /// The operator could fit the bar, or take it off.
     pub(super) stopped: bool,
+    /// The bar is in the machine: from its engagement to the stop after its release.
+    pub(super) fitted: bool,
     pub(super) moved: [bool; 3],
     /// The last move, and its label, if the bar was engaged all along it.
     pub(super) before: Option<(Move, usize)>,
@@ -85,7 +89,7 @@ impl Walk<'_, '_> {
         }
     }
 
-    fn error(&mut self, line: usize, rule: &'static str, what: String, hint: &str) {
+    pub(super) fn error(&mut self, line: usize, rule: &'static str, what: String, hint: &str) {
         let error = self.error_of(line, what).hint(hint);
         self.findings.error(rule, error);
     }
@@ -116,6 +120,7 @@ impl Walk<'_, '_> {
             Action::Dwell { .. } => drop(self.pause.get_or_insert(pause(true))),
             Action::Stop => {
                 self.stopped = true;
+                self.fitted &= self.bar == Bar::Engaged;
                 self.pause = Some(pause(false));
             }
             Action::End => {}
@@ -131,28 +136,39 @@ impl Walk<'_, '_> {
     }
 
     fn rapid(&mut self, step: &Step, motion: &Move) {
-        let reach_mm = self.sphere.length_mm + self.sphere.range_mm;
-        let [straight_mm, _] = self.sphere.distances_mm(motion);
-        if straight_mm <= reach_mm && !self.gap {
-            let what = format!(
-                "positioning passes {straight_mm:.3} mm from the workpiece ball, within the reach of the bar, {reach_mm:.3} mm"
-            );
-            let hint = "position outside of the reach, and move inside it at feed";
-            self.error(step.line, "rapid-in-reach", what, hint);
-        } else if !self.gap
-            && let Some(nearest_mm) =
-                self.sphere.dog_leg_mm(motion, self.machine).filter(|near| *near <= reach_mm)
-        {
-            let what = format!(
-                "positioning passes {nearest_mm:.3} mm from the workpiece ball where every axis goes at its own rapid traverse"
-            );
-            let hint = "a Fanuc positions in a straight line only if a parameter says so (LRP): go in two blocks";
-            self.warning(step.line, "rapid-in-reach", what, hint);
+        if !self.gap {
+            if let Some(what) = self.rapid_in_reach(motion) {
+                let hint = "position outside of the reach, one axis after the other, and move inside it at feed; a Fanuc goes straight only if a parameter says so (LRP)";
+                self.error(step.line, "rapid-in-reach", what, hint);
+            } else if self.fitted {
+                let what = "positioning with the bar fitted".to_owned();
+                let hint = "write M00 after the release, so that the bar is taken off first";
+                self.error(step.line, "fitted", what, hint);
+            }
         }
         if self.bar == Bar::Engaged {
             self.bar = Bar::Released;
         }
+        (self.stopped, self.fitted) = (false, false);
         self.before = None;
+    }
+
+    /// Where a positioning comes within the reach of the bar: on a straight line, and on a Fanuc with every axis at its
+    /// own rapid traverse too.
+    pub(super) fn rapid_in_reach(&self, motion: &Move) -> Option<String> {
+        let reach_mm = self.sphere.length_mm + self.sphere.range_mm;
+        let [straight_mm, _] = self.sphere.distances_mm(motion);
+        if straight_mm <= reach_mm {
+            return Some(format!(
+                "positioning passes {straight_mm:.3} mm from the workpiece ball, within the reach of the bar, {reach_mm:.3} mm"
+            ));
+        }
+        let bends = self.machine.controller().dialect == Dialect::Fanuc;
+        let nearest_mm = bends.then(|| self.sphere.dog_leg_mm(motion, self.machine)).flatten();
+        let nearest_mm = nearest_mm.filter(|near| *near <= reach_mm)?;
+        Some(format!(
+            "positioning passes {nearest_mm:.3} mm from the workpiece ball where every axis goes at its own rapid traverse"
+        ))
     }
 
     fn feed(&mut self, step: &Step, motion: &Move) {
@@ -160,6 +176,9 @@ impl Walk<'_, '_> {
         let end_mm = self.sphere.distance_mm(&motion.end_mm);
         let inside = self.sphere.reads(end_mm);
         let [least_mm, _] = self.sphere.distances_mm(motion);
+        if inside || self.fitted {
+            self.too_fast(step, motion);
+        }
         if self.bar != Bar::Engaged {
             if self.sphere.too_near(least_mm) {
                 self.too_near(step, least_mm);
@@ -207,6 +226,7 @@ impl Walk<'_, '_> {
 
     fn engage(&mut self, step: &Step, motion: &Move, start_mm: f64) {
         let first = std::mem::replace(&mut self.bar, Bar::Engaged) == Bar::Never;
+        self.fitted = true;
         if self.gap {
             return;
         }
@@ -269,6 +289,10 @@ impl Walk<'_, '_> {
             let what = "the program ends with the bar engaged".to_owned();
             let hint = "feed out along the radius beyond the range of the bar before the end";
             self.error(self.last, "release", what, hint);
+        } else if self.fitted {
+            let what = "the program ends with the bar fitted".to_owned();
+            let hint = "write M00 after the release, so that the bar is taken off, and retract before the end";
+            self.warning(self.last, "fitted", what, hint);
         }
     }
 }

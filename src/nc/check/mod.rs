@@ -12,8 +12,9 @@
 //! | --- | --- |
 //! | characters, length of blocks, `%`, N and O numbers, size | the program and the controller's keys |
 //! | words, modal groups, decimal points, spindle | the program |
+//! | what is in force before the first motion | the dialect |
 //! | travel | the work offset, from a test file; without one only the extent is held against the travel |
-//! | reach, engagement, release, sphere, sag, corners, stops inside arcs | the mounting and the bar of a test file |
+//! | reach, engagement, release, bar taken off, second start, sphere, sag, corners, stops inside arcs | the mounting and the bar of a test file |
 //!
 //! **Not checked:** collisions with anything but the bar, compensation that is switched on in the
 //! control, what the operator does at a stop.
@@ -22,7 +23,9 @@ mod arcs;
 mod bar;
 mod findings;
 mod path;
+mod power_on;
 mod sphere;
+mod start;
 mod text;
 mod words;
 
@@ -103,6 +106,7 @@ pub fn check(
     text::check(&listing, controller, &mut findings);
     words::check(&listing, &ran, controller, &mut findings);
     path::check(&listing, &ran, machine, sphere.is_some(), &mut findings);
+    power_on::check(&listing, &ran, controller.dialect, &mut findings);
     if let Some(sphere) = sphere {
         bar::check(&listing, &ran, machine, sphere, &mut findings);
     }

@@ -97,9 +97,10 @@ fn travel(
     findings.error("travel", listing.at_word(line, b"XYZ"[axis.index()], what).hint(hint));
 }
 
-/// No axis is asked for more than its fastest feed.
+/// No axis is asked for more than its fastest feed, and none for more than its rapid traverse.
 fn feed(listing: &Listing, step: &Step, motion: &Move, machine: &Machine, findings: &mut Findings) {
-    let fastest = |axis: Axis| machine.slide(axis).max_feed_mm_s;
+    let fastest =
+        |axis: Axis| machine.slide(axis).max_feed_mm_s.min(machine.slide(axis).rapid_mm_s);
     if Axis::ALL.into_iter().all(|axis| motion.feed_mm_s <= fastest(axis)) {
         return;
     }
@@ -113,7 +114,12 @@ fn feed(listing: &Listing, step: &Step, motion: &Move, machine: &Machine, findin
                 fastest(axis) * 60.0
             );
             let place = listing.at_word(step.line, b'F', what);
-            findings.warning("feed", place.hint("the control slows down or refuses: lower F"));
+            let error = place.hint("the control slows down or refuses: lower F");
+            if speed > machine.slide(axis).rapid_mm_s * (1.0 + 1e-9) {
+                findings.error("feed", error);
+            } else {
+                findings.warning("feed", error);
+            }
         }
     }
 }
