@@ -61,6 +61,12 @@ impl Text<'_> {
             .hint("give a number above 0, in the unit at the end of the key"))
     }
 
+    /// A positive number that is no larger than a bound.
+    pub(crate) fn up_to(&self, value: &Spanned<f64>, key: &str, high: f64) -> Result<f64> {
+        let number = self.positive(value, key)?;
+        self.within(value, key, 0.0, high).map(|_| number)
+    }
+
     /// A number within bounds.
     pub(crate) fn within(
         &self,

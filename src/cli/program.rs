@@ -9,12 +9,14 @@ use super::common::Common;
 use super::output::{self, Files, Talk};
 use super::time;
 use crate::design::PlannedProgram;
-use crate::error::Result;
+use crate::error::{Error, Place, Result};
+use crate::machine::Machine;
 use crate::plan::Test;
 
 /// Write the NC programs of a test, one for each mounting
 ///
-/// Each program is read back before it is written and compared with the plan.
+/// Each program is read back and compared with the plan, and checked with the settings of the machine file, before
+/// it is written. What is not safe is refused.
 #[derive(Args)]
 #[command(
     after_help = "Examples:\n  ballbar program test.toml\n  ballbar program test.toml -o programs --json"
@@ -23,6 +25,9 @@ pub(super) struct Arguments {
     /// The test file
     #[arg(value_name = "TEST")]
     test: PathBuf,
+    /// Write what is not safe too, with the reasons in its header
+    #[arg(long)]
+    force: bool,
 }
 
 impl Arguments {
@@ -32,7 +37,7 @@ impl Arguments {
         let mut files = Files::default();
         let mut written = Vec::new();
         for mounting in 0..test.mountings().len() {
-            let program = PlannedProgram::new(&test, &machine, mounting)?;
+            let program = self.safe(&test, &machine, mounting, talk)?;
             files.add(common.output.join(&program.file_name), program.text.clone());
             written.push(program);
         }
@@ -46,6 +51,37 @@ impl Arguments {
             talk.say(&told(program));
         }
         Ok(())
+    }
+}
+
+impl Arguments {
+    /// The program of a mounting, if nothing speaks against it or the user insists.
+    fn safe(
+        &self,
+        test: &Test,
+        machine: &Machine,
+        mounting: usize,
+        talk: &Talk,
+    ) -> Result<PlannedProgram> {
+        let program = PlannedProgram::new(test, machine, mounting)?;
+        let objections = program.objections(test, machine)?;
+        if objections.is_empty() {
+            return Ok(program);
+        }
+        let what = format!("{} is not safe: {}", program.file_name, &objections[0].what);
+        if !self.force {
+            let more = objections.len() - 1;
+            let more = if more > 0 { format!(", and {more} more") } else { String::new() };
+            let reason = objections[0].hint.clone().unwrap_or_default();
+            let hint = format!(
+                "{reason}; `--force` writes it all the same, with the reasons in its header"
+            );
+            return Err(Error::input(what + &more).at(Place::file(test.file())).hint(hint));
+        }
+        for objection in &objections {
+            talk.say(&format!("{} is not safe: {}", program.file_name, objection.what));
+        }
+        Ok(program.warned(machine, &objections))
     }
 }
 

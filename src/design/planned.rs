@@ -1,9 +1,9 @@
 //! The program of a mounting: planned, written, read back, timed.
 
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, Kind, Place, Result};
 use crate::machine::Machine;
 use crate::motion::Trajectory;
-use crate::nc::{self, Program, ReadBack};
+use crate::nc::{self, Program, ReadBack, Reading, Severity, Sphere};
 use crate::plan::{Path, Test};
 
 /// A program that was written and read back.
@@ -38,8 +38,7 @@ impl PlannedProgram {
         let text = nc::write(test, machine, &path)?;
         let file_name = format!("O{:04}.nc", test.plan()?.program_number + mounting as u32);
         let named = &test.mountings()[mounting];
-        let mut reading = nc::Reading::of(machine);
-        reading.work_offsets_mm.insert(named.work_offset, named.mounting.coincidence_mm);
+        let reading = reading_of(test, machine, mounting);
         let program = nc::read(&text, file_name.as_ref(), &reading)?;
         let back = nc::read_back(&program, test, &path)?;
         let last_decimal_mm = 10_f64.powi(-(machine.controller().decimals as i32));
@@ -54,4 +53,42 @@ impl PlannedProgram {
         let mounting_name = named.name.clone();
         Ok(Self { file_name, mounting, mounting_name, path, text, program, back, trajectory })
     }
+
+    /// What speaks against running it: the errors of a check with its test, and bodies of the machine file that touch.
+    ///
+    /// # Errors
+    /// When it cannot be checked.
+    pub fn objections(&self, test: &Test, machine: &Machine) -> Result<Vec<Error>> {
+        let reading = reading_of(test, machine, self.mounting);
+        let file = self.file_name.as_ref();
+        let sphere = Sphere::of(test, self.mounting);
+        let checked = nc::check(&self.text, file, machine, &reading, sphere.as_ref())?;
+        let errors = checked.findings.into_iter().filter(|f| f.severity == Severity::Error);
+        let mut objections: Vec<Error> = errors.map(|finding| finding.error).collect();
+        let touching = self.path.least_clearance(machine).filter(|least| least.clearance_mm <= 0.0);
+        objections.extend(touching.map(|least| {
+            Error::input(format!(
+                "{} and support touch on {} at the ball vector ({:.1}, {:.1}, {:.1}) mm",
+                least.part, least.section, least.ball_mm.x, least.ball_mm.y, least.ball_mm.z
+            ))
+            .at(Place::file(file))
+            .hint("take out what leads there, or correct `[clearance]` in the machine file")
+        }));
+        Ok(objections)
+    }
+
+    /// The same with what speaks against it in its header.
+    #[must_use]
+    pub fn warned(mut self, machine: &Machine, objections: &[Error]) -> Self {
+        self.text = nc::with_warnings(&self.text, machine, objections.iter().map(|o| &*o.what));
+        self
+    }
+}
+
+/// How the control reads the program of a mounting.
+fn reading_of(test: &Test, machine: &Machine, mounting: usize) -> Reading {
+    let named = &test.mountings()[mounting];
+    let mut reading = Reading::of(machine);
+    reading.work_offsets_mm.insert(named.work_offset, named.mounting.coincidence_mm);
+    reading
 }

@@ -298,7 +298,7 @@ impl RawSlide {
 struct RawController {
     dialect: Spanned<String>,
     decimals: Spanned<usize>,
-    sequence_step: u32,
+    sequence_step: Spanned<u32>,
     comment_characters: String,
     look_ahead_on: Spanned<String>,
     look_ahead_off: Spanned<String>,
@@ -319,7 +319,7 @@ impl Default for RawController {
         Self {
             dialect: bare("fanuc".into()),
             decimals: bare(3),
-            sequence_step: 10,
+            sequence_step: bare(10),
             // The characters that the generic Fanuc post-processors let through.
             comment_characters: " .,=_-".into(),
             look_ahead_on: bare(String::new()),
@@ -351,11 +351,15 @@ impl RawController {
                 .hint("increment system IS-B has 3 decimals, IS-C has 4"));
         }
         for block in [&self.look_ahead_on, &self.look_ahead_off] {
-            if !block.get_ref().chars().all(|c| c.is_ascii_alphanumeric() || " .-".contains(c)) {
-                return Err(Error::input(format!("`{}` is not a block", block.get_ref()))
-                    .at(text.place(block.span()))
-                    .hint("write one block of plain words, such as `G05.1 Q1`"));
-            }
+            check_look_ahead(block, dialect, text)?;
+        }
+        let sequence_step = *self.sequence_step.get_ref();
+        if sequence_step > LARGEST_STEP {
+            return Err(Error::input(format!(
+                "blocks cannot be numbered in steps of {sequence_step}"
+            ))
+            .at(text.place(self.sequence_step.span()))
+            .hint(format!("give 1 to {LARGEST_STEP}, or 0 for no numbers")));
         }
         let corner_deg = *self.corner_stop_deg.get_ref();
         if !(0.0..=180.0).contains(&corner_deg) {
@@ -366,7 +370,7 @@ impl RawController {
         Ok(Controller {
             dialect,
             decimals,
-            sequence_step: self.sequence_step,
+            sequence_step,
             comment_characters: self.comment_characters,
             look_ahead_on: self.look_ahead_on.into_inner(),
             look_ahead_off: self.look_ahead_off.into_inner(),
@@ -394,4 +398,29 @@ impl RawController {
             },
         })
     }
+}
+
+/// N numbers go to 99999 and then begin anew, which leaves a hundred of them different.
+const LARGEST_STEP: u32 = 1000;
+
+/// A block around every arc switches the look-ahead and does nothing else: G05.1 Q, G05 P or G08 P with a number, alone.
+fn check_look_ahead(block: &Spanned<String>, dialect: Dialect, text: &Text<'_>) -> Result<()> {
+    let written = block.get_ref();
+    let words: String = written.split_whitespace().collect();
+    let switches = |begin: &str| {
+        let argument = words.strip_prefix(begin);
+        argument.is_some_and(|n| !n.is_empty() && n.bytes().all(|c| c.is_ascii_digit()))
+    };
+    let known = ["G05.1Q", "G5.1Q", "G05P", "G5P", "G08P", "G8P"];
+    if words.is_empty() || (dialect == Dialect::Fanuc && known.into_iter().any(switches)) {
+        return Ok(());
+    }
+    Err(Error::input(format!("`{written}` does not switch a look-ahead"))
+        .at(text.place(block.span()))
+        .hint(match dialect {
+            Dialect::Fanuc => {
+                "write `G05.1 Q1`, `G05 P10000` or `G08 P1`, off with 0, or leave it empty"
+            }
+            Dialect::LinuxCnc => "LinuxCNC has no word for it: leave it empty",
+        }))
 }

@@ -53,9 +53,9 @@ pub struct ModelFile {
 struct RawModel {
     terms: Vec<String>,
     #[serde(default)]
-    coefficients: BTreeMap<String, f64>,
+    coefficients: BTreeMap<String, Spanned<f64>>,
     #[serde(default)]
-    set_up: BTreeMap<String, f64>,
+    set_up: BTreeMap<String, Spanned<f64>>,
     #[serde(default)]
     hide: Vec<Spanned<toml::Table>>,
     #[serde(default)]
@@ -95,8 +95,8 @@ impl ModelFile {
             .collect::<Result<_>>()?;
         Ok(Self {
             terms: raw.terms,
-            coefficients: raw.coefficients.into_iter().collect(),
-            set_up: raw.set_up.into_iter().collect(),
+            coefficients: finite(raw.coefficients, &text)?,
+            set_up: finite(raw.set_up, &text)?,
             effects,
             curves,
         })
@@ -163,6 +163,17 @@ fn effect(table: &toml::Table) -> Result<Effect> {
         numbers.push((key.as_str(), number));
     }
     Effect::of(cause, text("on"), &numbers)
+}
+
+/// No machine is so far off, mm or rad.
+const LARGEST: f64 = 1e3;
+
+/// Numbers by name, each of which a machine could have.
+fn finite(raw: BTreeMap<String, Spanned<f64>>, text: &Text<'_>) -> Result<Vec<(String, f64)>> {
+    let checked = |(name, value): (String, Spanned<f64>)| {
+        text.within(&value, &name, -LARGEST, LARGEST).map(|value| (name, value))
+    };
+    raw.into_iter().map(checked).collect()
 }
 
 fn check_curve(raw: RawCurve) -> Result<(Empirical, Vec<f64>)> {

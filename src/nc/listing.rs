@@ -64,6 +64,9 @@ pub(crate) struct Listing<'a> {
     pub(crate) unclosed: Option<Line>,
 }
 
+/// A larger program is refused before it is taken apart, which takes some ten times the memory.
+const LARGEST_BYTES: usize = 64 << 20;
+
 impl<'a> Listing<'a> {
     /// Takes a file apart. Blocks with a slash vanish when block delete is on.
     pub(crate) fn new(
@@ -76,6 +79,13 @@ impl<'a> Listing<'a> {
         let source = source.strip_prefix('\u{feff}').unwrap_or(source);
         if source.trim().is_empty() {
             return Err(Error::input("the program file is empty").at(Place::file(file)));
+        }
+        if source.len() > LARGEST_BYTES {
+            return Err(Error::input("the program has more than 64 MiB")
+                .at(Place::file(file))
+                .hint(
+                    "this is no program of a ball-bar test: two million chords have half of it",
+                ));
         }
         let mut listing = Self {
             file,

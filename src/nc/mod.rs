@@ -43,6 +43,7 @@
 mod arc;
 pub mod check;
 mod command;
+mod comment;
 mod lex;
 mod listing;
 mod modal;
@@ -58,6 +59,7 @@ mod tests;
 mod write;
 
 pub use check::{Checked, Finding, Severity, Sphere, check};
+pub use comment::with_warnings;
 pub use program::{Action, Move, Path, Program, Step};
 pub use read::{read, read_file, text_of};
 pub use read_back::{ReadBack, read_back};

@@ -10,8 +10,10 @@ use super::reading::Reading;
 use crate::error::Result;
 use crate::machine::Dialect;
 
-/// A program that runs more blocks than this, or makes more steps, repeats itself without bound.
+/// A program that runs more blocks than this repeats itself without bound.
 pub(crate) const MOST_BLOCKS: usize = 20_000_000;
+/// More steps than this are kept of no program: at a thousand a second half an hour, and some 300 MB.
+const MOST_STEPS: usize = 2_000_000;
 
 /// Calls within calls that the control allows.
 const DEEPEST_CALL: usize = 4;
@@ -124,8 +126,14 @@ impl Runner<'_> {
             self.ran.reached[call.next] = true;
             call.next += 1;
             ran += 1;
-            if ran > most_blocks || self.ran.steps.len() > most_blocks {
-                let fault = Fault::line(format!("the program runs more than {most_blocks} blocks"))
+            let steps = self.ran.steps.len();
+            if ran > most_blocks || steps > MOST_STEPS {
+                let what = if steps > MOST_STEPS {
+                    format!("the program makes more than {MOST_STEPS} moves")
+                } else {
+                    format!("the program runs more than {most_blocks} blocks")
+                };
+                let fault = Fault::line(what)
                     .hint("look for a subprogram that is repeated too often: L of M98");
                 return refuse(listing.locate(block.line, fault));
             }

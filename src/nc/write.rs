@@ -3,6 +3,7 @@
 use askama::Template;
 use nalgebra::Vector3;
 
+use super::comment;
 use crate::error::{Error, Kind, Result};
 use crate::machine::{Controller, Dialect, Machine};
 use crate::plan::{Path, Step, Test, approach_mm_s};
@@ -260,15 +261,8 @@ impl Writer<'_> {
         }
     }
 
-    /// Upper case, and only characters that the machine file allows.
     fn comment(&self, text: &str) -> String {
-        let allowed = &self.controller.comment_characters;
-        text.to_uppercase()
-            .chars()
-            .filter(|c| {
-                c.is_ascii_alphanumeric() || (allowed.contains(*c) && !"()%;\n\r".contains(*c))
-            })
-            .collect()
+        comment::of(self.controller, text)
     }
 
     /// A point in units of the last decimal.

@@ -12,7 +12,7 @@ use super::log_format::{
 use super::operator::RawOperator;
 use super::parts::{BallBar, Estimation, FreeArc, NamedMounting, PathPlan, Run};
 use super::raw_arc::RawArc;
-use super::raw_mounting::{RawMounting, check_length, mounting_index};
+use super::raw_mounting::{LONGEST_MM, RawMounting, check_length, mounting_index};
 use super::strategy::Strategy;
 use crate::error::{Error, Result};
 use crate::model;
@@ -60,7 +60,7 @@ impl RawBallBar {
         let or = |value: Option<Spanned<f64>>, key: &str, default: f64| {
             value.map_or(Ok(default), |value| text.positive(&value, key))
         };
-        let length_mm = text.positive(&self.length_mm, "length_mm")?;
+        let length_mm = text.up_to(&self.length_mm, "length_mm", LONGEST_MM)?;
         let range_mm = or(self.range_mm, "range_mm", 1.2)?;
         check_length(length_mm, range_mm, text.place(self.length_mm.span()))?;
         let noise_mm = or(self.noise_um, "noise_um", 0.15)? * 1e-3;

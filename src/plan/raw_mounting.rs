@@ -9,6 +9,9 @@ use crate::machine::Mounting;
 use crate::toml_text::Text;
 
 /// A bar is longer than what it reads either way.
+/// Twice the longest ball-bar that is sold, with all its extensions, mm.
+pub(super) const LONGEST_MM: f64 = 3000.0;
+
 pub(super) fn check_length(length_mm: f64, range_mm: f64, place: Place) -> Result<()> {
     if length_mm > range_mm {
         return Ok(());
@@ -59,7 +62,7 @@ pub(super) fn check_mountings(
         let bar_length_mm = match &entry.bar_length_mm {
             None => bar.length_mm,
             Some(length) => {
-                let length_mm = text.positive(length, "bar_length_mm")?;
+                let length_mm = text.up_to(length, "bar_length_mm", LONGEST_MM)?;
                 check_length(length_mm, bar.range_mm, text.place(length.span()))?;
                 length_mm
             }

@@ -15,6 +15,9 @@ use crate::plan::BallBar;
 /// Times are written with four decimals.
 const TIME_STEPS_PER_S: f64 = 1e4;
 
+/// Readings of one run: more than half an hour at 2000 a second, and some 1 GB.
+const MOST_SAMPLES: f64 = 4e6;
+
 /// What was true when a reading was taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TruePoint {
@@ -90,7 +93,15 @@ pub fn run(
 
     let drive = Drive::new(trajectory, clock, &scenario.control.following_s);
     let last_s = drive.clock.end_log_s() + scenario.after_s;
-    let samples = (last_s * sample_rate_hz).floor().max(0.0) as usize + 1;
+    let samples = (last_s * sample_rate_hz).floor().max(0.0);
+    if samples > MOST_SAMPLES {
+        return Err(Error::input(format!(
+            "a log of {samples:.0} readings, {:.1} h at {sample_rate_hz} a second, and {MOST_SAMPLES:.0} are the most",
+            last_s / 3600.0
+        ))
+        .hint("a larger `feed_mm_min`, fewer arcs, a smaller `sample_rate_hz` or shorter pauses make it shorter"));
+    }
+    let samples = samples as usize + 1;
     let mut readings = Vec::with_capacity(samples);
     let mut truth = Vec::with_capacity(samples);
     for k in 0..samples {

@@ -14,5 +14,6 @@ mod mountings;
 mod plan;
 mod reference;
 mod refused;
+mod safe;
 mod settings;
 mod work;

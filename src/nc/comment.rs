@@ -1,0 +1,73 @@
+//! Comments of a program: what a control shows its operator, and must not take for anything else.
+
+use crate::machine::{Controller, Dialect, Machine};
+
+/// A control shows some tens of characters and reads blocks of 255.
+const LONGEST: usize = 200;
+/// Comments that begin so are commands to LinuxCNC: messages, logs, files, Python.
+const ACTIVE: [&str; 8] =
+    ["MSG", "PRINT", "DEBUG", "LOG", "PROBEOPEN", "PROBECLOSE", "ABORT", "PY"];
+
+/// A text as a comment: upper case, only characters that the machine file allows, and nothing that a control obeys.
+pub(super) fn of(controller: &Controller, text: &str) -> String {
+    let allowed = &controller.comment_characters;
+    let shown = text.to_uppercase();
+    let shown = shown.chars().filter(|c| {
+        c.is_ascii_alphanumeric() || (allowed.contains(*c) && !"()%;\n\r".contains(*c))
+    });
+    let shown: String = shown.take(LONGEST).collect();
+    let begins = shown.trim_start();
+    if controller.dialect == Dialect::LinuxCnc
+        && ACTIVE.iter().any(|command| begins.starts_with(command))
+    {
+        return format!("NAMED {begins}");
+    }
+    shown
+}
+
+/// A program with warnings behind its title.
+pub fn with_warnings<'a>(
+    program: &str,
+    machine: &Machine,
+    warnings: impl Iterator<Item = &'a str>,
+) -> String {
+    let warnings: String = warnings
+        .map(|text| format!("({})\n", of(machine.controller(), &format!("NOT SAFE - {text}"))))
+        .collect();
+    let title = program.match_indices('\n').nth(1).map_or(program.len(), |(at, _)| at + 1);
+    format!("{}{warnings}{}", &program[..title], &program[title..])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn machine(dialect: &str) -> Machine {
+        let source = std::fs::read_to_string("machines/hu40t.toml").unwrap();
+        let source = source.replace("\"fanuc\"", &format!("\"{dialect}\""));
+        Machine::parse(&source, "m.toml".as_ref()).unwrap()
+    }
+
+    #[test]
+    fn a_name_is_never_a_command() {
+        let machine = machine("linuxcnc");
+        for name in ["msg, hi", " LOGOPEN,TMPX", "py,import os", "probeopen x", "Print,#1"] {
+            let comment = of(machine.controller(), name);
+            assert!(comment.starts_with("NAMED "), "{comment}");
+        }
+        assert_eq!(of(machine.controller(), "Equator cw"), "EQUATOR CW");
+    }
+
+    #[test]
+    fn a_name_makes_no_block_too_long_and_closes_nothing() {
+        let comment = of(machine("fanuc").controller(), &"a)(%;\n".repeat(400));
+        assert_eq!(comment, "A".repeat(LONGEST));
+    }
+
+    #[test]
+    fn warnings_stand_behind_the_title() {
+        let told =
+            with_warnings("%\nO1 (T)\nN10 G21\n", &machine("fanuc"), ["Z hits (1.0)"].into_iter());
+        assert_eq!(told, "%\nO1 (T)\n(NOT SAFE - Z HITS 1.0)\nN10 G21\n");
+    }
+}
