@@ -31,9 +31,10 @@ pub fn with_warnings<'a>(
     machine: &Machine,
     warnings: impl Iterator<Item = &'a str>,
 ) -> String {
-    let warnings: String = warnings
+    let warnings: Vec<String> = warnings
         .map(|text| format!("({})\n", of(machine.controller(), &format!("NOT SAFE - {text}"))))
         .collect();
+    let warnings = warnings.concat();
     let title = program.match_indices('\n').nth(1).map_or(program.len(), |(at, _)| at + 1);
     format!("{}{warnings}{}", &program[..title], &program[title..])
 }
