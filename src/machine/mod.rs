@@ -14,6 +14,7 @@
 mod axis;
 mod chain;
 mod clearance;
+mod controller;
 mod file;
 mod inverse;
 mod plausible;
@@ -22,6 +23,7 @@ mod topology;
 pub use axis::Axis;
 pub use chain::{ChainErrors, Lever, Mounting, Pose, SlideError};
 pub use clearance::{Clearance, Cylinder};
-pub use file::{Controller, Dialect, Machine, Pivot, Slide};
+pub use controller::{Controller, Dialect};
+pub use file::{Machine, Pivot, Slide};
 pub use plausible::Plausible;
 pub use topology::{Side, Topology};

@@ -1,0 +1,198 @@
+//! The control: what it writes, reads and does at corners.
+
+use std::ops::Range;
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use crate::error::{Error, Result};
+use crate::toml_text::Text;
+
+/// Which control reads the programs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Dialect {
+    /// Fanuc 15i/150i and its relatives.
+    #[default]
+    Fanuc,
+    /// LinuxCNC, RS274/NGC.
+    LinuxCnc,
+}
+
+impl Dialect {
+    /// All, the default first.
+    pub const ALL: [Self; 2] = [Self::Fanuc, Self::LinuxCnc];
+
+    /// Its name in a machine file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fanuc => "fanuc",
+            Self::LinuxCnc => "linuxcnc",
+        }
+    }
+}
+
+/// What the control writes, reads and does at corners.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Controller {
+    /// The dialect of the programs.
+    pub dialect: Dialect,
+    /// Decimals of an axis word.
+    pub decimals: usize,
+    /// Step of the N numbers; 0 writes none.
+    pub sequence_step: u32,
+    /// Characters allowed in comments besides letters and digits.
+    pub comment_characters: String,
+    /// Block that switches look-ahead on, empty for none.
+    pub look_ahead_on: String,
+    /// Block that switches look-ahead off, empty for none.
+    pub look_ahead_off: String,
+    /// Acceleration along the path at feed, mm/s².
+    pub path_acceleration_mm_s2: f64,
+    /// Corners sharper than this are taken with a stop, rad.
+    pub corner_stop_rad: f64,
+    /// By how much the speed of a slide may jump at a corner, mm/s; infinite where only
+    /// [`Controller::corner_stop_rad`] counts.
+    pub corner_speed_step_mm_s: f64,
+    /// Within how much the control rounds corners, mm: the arc that fits is driven with the acceleration
+    /// of the path across it. Infinite where that does not limit the speed.
+    pub corner_tolerance_mm: f64,
+    /// In how much time the acceleration along the path builds up, s; 0 at once. The jerk is the
+    /// acceleration over this time.
+    pub acceleration_change_s: f64,
+    /// Time that the control needs to prepare a block, s; 0 none.
+    pub block_time_s: f64,
+    /// Largest program that the control's memory holds, bytes; none if it does not matter.
+    pub memory_bytes: Option<usize>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct RawController {
+    dialect: Spanned<String>,
+    decimals: Spanned<usize>,
+    sequence_step: Spanned<u32>,
+    comment_characters: String,
+    look_ahead_on: Spanned<String>,
+    look_ahead_off: Spanned<String>,
+    path_acceleration_mm_s2: Spanned<f64>,
+    corner_stop_deg: Spanned<f64>,
+    corner_speed_step_mm_min: Option<Spanned<f64>>,
+    corner_tolerance_um: Option<Spanned<f64>>,
+    acceleration_change_ms: Spanned<f64>,
+    block_time_ms: Spanned<f64>,
+    memory_kb: Option<Spanned<f64>>,
+}
+
+impl Default for RawController {
+    fn default() -> Self {
+        fn bare<T>(value: T) -> Spanned<T> {
+            Spanned::new(Range { start: 0, end: 0 }, value)
+        }
+        Self {
+            dialect: bare("fanuc".into()),
+            decimals: bare(3),
+            sequence_step: bare(10),
+            // The characters that the generic Fanuc post-processors let through.
+            comment_characters: " .,=_-".into(),
+            look_ahead_on: bare(String::new()),
+            look_ahead_off: bare(String::new()),
+            path_acceleration_mm_s2: bare(500.0),
+            corner_stop_deg: bare(25.0),
+            corner_speed_step_mm_min: None,
+            corner_tolerance_um: None,
+            acceleration_change_ms: bare(0.0),
+            block_time_ms: bare(0.0),
+            memory_kb: None,
+        }
+    }
+}
+
+impl RawController {
+    pub(super) fn check(self, text: &Text<'_>) -> Result<Controller> {
+        let name = self.dialect.get_ref();
+        let dialect =
+            Dialect::ALL.into_iter().find(|dialect| dialect.name() == name).ok_or_else(|| {
+                Error::input(format!("unknown dialect `{name}`"))
+                    .at(text.place(self.dialect.span()))
+                    .hint("write `dialect = \"fanuc\"` or `dialect = \"linuxcnc\"`")
+            })?;
+        let decimals = *self.decimals.get_ref();
+        if !(2..=6).contains(&decimals) {
+            return Err(Error::input(format!("an axis word cannot have {decimals} decimals"))
+                .at(text.place(self.decimals.span()))
+                .hint("increment system IS-B has 3 decimals, IS-C has 4"));
+        }
+        for block in [&self.look_ahead_on, &self.look_ahead_off] {
+            check_look_ahead(block, dialect, text)?;
+        }
+        let sequence_step = *self.sequence_step.get_ref();
+        if sequence_step > LARGEST_STEP {
+            return Err(Error::input(format!(
+                "blocks cannot be numbered in steps of {sequence_step}"
+            ))
+            .at(text.place(self.sequence_step.span()))
+            .hint(format!("give 1 to {LARGEST_STEP}, or 0 for no numbers")));
+        }
+        let corner_deg = *self.corner_stop_deg.get_ref();
+        if !(0.0..=180.0).contains(&corner_deg) {
+            return Err(Error::input(format!("a corner of {corner_deg} degrees cannot be"))
+                .at(text.place(self.corner_stop_deg.span()))
+                .hint("give the angle between the two directions of motion, 0 to 180"));
+        }
+        Ok(Controller {
+            dialect,
+            decimals,
+            sequence_step,
+            comment_characters: self.comment_characters,
+            look_ahead_on: self.look_ahead_on.into_inner(),
+            look_ahead_off: self.look_ahead_off.into_inner(),
+            path_acceleration_mm_s2: text
+                .positive(&self.path_acceleration_mm_s2, "path_acceleration_mm_s2")?,
+            corner_stop_rad: corner_deg.to_radians(),
+            corner_speed_step_mm_s: match &self.corner_speed_step_mm_min {
+                None => f64::INFINITY,
+                Some(step) => text.positive(step, "corner_speed_step_mm_min")? / 60.0,
+            },
+            corner_tolerance_mm: match &self.corner_tolerance_um {
+                None => f64::INFINITY,
+                Some(tolerance) => text.positive(tolerance, "corner_tolerance_um")? * 1e-3,
+            },
+            acceleration_change_s: text.within(
+                &self.acceleration_change_ms,
+                "acceleration_change_ms",
+                0.0,
+                1000.0,
+            )? * 1e-3,
+            block_time_s: text.within(&self.block_time_ms, "block_time_ms", 0.0, 1000.0)? * 1e-3,
+            memory_bytes: match &self.memory_kb {
+                None => None,
+                Some(memory) => Some((text.positive(memory, "memory_kb")? * 1024.0) as usize),
+            },
+        })
+    }
+}
+
+/// N numbers go to 99999 and then begin anew, which leaves a hundred of them different.
+const LARGEST_STEP: u32 = 1000;
+
+/// A block around every arc switches the look-ahead and does nothing else: G05.1 Q, G05 P or G08 P with a number, alone.
+fn check_look_ahead(block: &Spanned<String>, dialect: Dialect, text: &Text<'_>) -> Result<()> {
+    let written = block.get_ref();
+    let words: String = written.split_whitespace().collect();
+    let switches = |begin: &str| {
+        let argument = words.strip_prefix(begin);
+        argument.is_some_and(|n| !n.is_empty() && n.bytes().all(|c| c.is_ascii_digit()))
+    };
+    let known = ["G05.1Q", "G5.1Q", "G05P", "G5P", "G08P", "G8P"];
+    if words.is_empty() || (dialect == Dialect::Fanuc && known.into_iter().any(switches)) {
+        return Ok(());
+    }
+    Err(Error::input(format!("`{written}` does not switch a look-ahead"))
+        .at(text.place(block.span()))
+        .hint(match dialect {
+            Dialect::Fanuc => {
+                "write `G05.1 Q1`, `G05 P10000` or `G08 P1`, off with 0, or leave it empty"
+            }
+            Dialect::LinuxCnc => "LinuxCNC has no word for it: leave it empty",
+        }))
+}
