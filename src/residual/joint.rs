@@ -90,7 +90,9 @@ fn system(beside: &Beside, elements: &[Element], repeats: &[bool]) -> (System, V
     }
     let counts = of_elements.iter().map(Vec::len).collect();
     let mut system = System::default();
-    system.push(beside, of_elements.into_iter().flatten().collect());
+    for columns in of_elements {
+        system.push_element(beside, columns);
+    }
     (system, counts)
 }
 

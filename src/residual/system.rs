@@ -12,6 +12,13 @@ use crate::solve::{Cholesky, Matrix, dot};
 /// orders of a ball's roundness, stay small instead of running away; of others this changes nothing.
 const RIDGE: f64 = 1e-6;
 
+/// No amplitude of many, of an honest ball or curve, is larger, mm or rad: what the readings decide is not touched by this,
+/// and what they do not, such as an order of a ball's roundness that is zero on every circle that was driven, stays small.
+const PLAUSIBLE: f64 = 0.03;
+
+/// An amplitude, or those of sine and cosine, are decided or not; of more some are.
+const DECIDED_AT_ONCE: usize = 2;
+
 /// Columns with their products.
 #[derive(Debug, Default)]
 pub struct System {
@@ -24,13 +31,15 @@ pub struct System {
     common: Vec<f64>,
     /// Products of the columns as they are, row after row of the lower triangle.
     products: Vec<Vec<f64>>,
+    /// What is added to the diagonal of each column because its amplitude is plausible, mm² by its unit squared.
+    priors: Vec<f64>,
 }
 
 impl System {
     /// The columns of an element, beside what is accepted.
     pub fn of(beside: &Beside, element: &Element) -> Self {
         let mut system = Self::default();
-        system.push(beside, element.columns(beside.residuals));
+        system.push_element(beside, element.columns(beside.residuals));
         system
     }
 
@@ -51,7 +60,7 @@ impl System {
             .collect();
         let alone = Matrix::from_fn(n, n, |i, k| {
             let both = self.products[i.max(k)][i.min(k)];
-            let ridge = if i == k { RIDGE * both } else { 0.0 };
+            let ridge = if i == k { RIDGE * both + self.priors[k] } else { 0.0 };
             both + ridge - self.followed(i, k) - dot(&accepted[i], &accepted[k])
         });
         let common: Vec<f64> =
@@ -62,6 +71,18 @@ impl System {
     /// What the fits follow of the product of two columns.
     fn followed(&self, i: usize, k: usize) -> f64 {
         self.along[i].iter().zip(&self.along[k]).map(|(a, b)| dot(a, b)).sum()
+    }
+
+    /// Adds the columns of an element. Of one with many amplitudes the readings may decide a few; the others are held by
+    /// what is plausible.
+    pub(super) fn push_element(&mut self, beside: &Beside, columns: Vec<Column>) {
+        if columns.len() > DECIDED_AT_ONCE {
+            // Neighbours, because what is left as a whole may hold the very effect.
+            let prior = beside.noise().neighbours_mm2 / (PLAUSIBLE * PLAUSIBLE);
+            self.priors.resize(self.columns.len(), 0.0);
+            self.priors.resize(self.columns.len() + columns.len(), prior);
+        }
+        self.push(beside, columns);
     }
 
     /// Adds columns.
@@ -92,6 +113,7 @@ impl System {
             }
         }
         self.normal = normal;
+        self.priors.resize(n, 0.0);
     }
 
     /// Normal matrix and right-hand side of the first so many columns.
@@ -100,7 +122,7 @@ impl System {
             match self.normal[(i, k)] {
                 // What nothing tells, such as the phase of a run that takes no part, stays zero.
                 0.0 if i == k => 1.0,
-                value if i == k => value + RIDGE * self.products[k][k],
+                value if i == k => value + RIDGE * self.products[k][k] + self.priors[k],
                 value => value,
             }
         });
