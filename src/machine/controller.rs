@@ -187,7 +187,7 @@ fn check_look_ahead(block: &Spanned<String>, dialect: Dialect, text: &Text<'_>) 
     if words.is_empty() || (dialect == Dialect::Fanuc && known.into_iter().any(switches)) {
         return Ok(());
     }
-    Err(Error::input(format!("`{written}` does not switch a look-ahead"))
+    Err(Error::input(format!("`{}` does not switch a look-ahead", written.escape_debug()))
         .at(text.place(block.span()))
         .hint(match dialect {
             Dialect::Fanuc => {

@@ -41,7 +41,11 @@ fn impossible_values_in_a_machine_file() {
         ("direction = \"-Z\"", "direction = \"up\"", "`up` is not a direction"),
         ("diameter_mm = 20.0", "diameter_mm = 0.0", "`diameter_mm` must be a positive number"),
         ("dialect = \"fanuc\"", "dialect = \"sinumerik\"", "unknown dialect `sinumerik`"),
-        ("look_ahead_on = \"\"", "look_ahead_on = \"G05.1 Q1\\nM30\"", "is not a block"),
+        (
+            "look_ahead_on = \"\"",
+            "look_ahead_on = \"G05.1 Q1\\nM30\"",
+            "does not switch a look-ahead",
+        ),
     ] {
         let work = Work::new();
         let outcome: Outcome = work.machine(from, to).ballbar(&["machines", "machine.toml"]);
