@@ -75,10 +75,10 @@ impl Checked {
 /// use ballbar::nc::{self, Reading, Severity};
 ///
 /// let machine = Machine::read("machines/hu40t.toml".as_ref())?;
-/// let source = "%\nO1\nG90 G54 G00 X0. Y0. Z0.\nG01 X30 F600.\nM30\n%\n";
+/// let source = "%\nO1\nG21 G90 G94 G40 G49 G80 G54\nG00 X0. Y0. Z0.\nG01 X30 F600.\nM30\n%\n";
 /// let checked = nc::check(source, "O1.nc".as_ref(), &machine, &Reading::of(&machine), None)?;
-/// assert_eq!(checked.findings[0].severity, Severity::Error);
-/// assert_eq!(checked.findings[0].error.what, "X30 has no decimal point: the control reads 0.030 mm");
+/// let error = checked.findings.iter().find(|f| f.severity == Severity::Error).unwrap();
+/// assert_eq!(error.error.what, "X30 has no decimal point: the control reads 0.030 mm");
 /// # Ok::<(), ballbar::Error>(())
 /// ```
 pub fn check(
