@@ -4,7 +4,8 @@ use clap::Args;
 
 use super::common::Common;
 use super::estimate::Selection;
-use super::output::{self, Files, Talk};
+use super::output::{self, Talk};
+use super::results::Files;
 use crate::error::Result;
 use crate::report;
 

@@ -6,7 +6,8 @@ use clap::Args;
 
 use super::common::Common;
 use super::estimate::{Identified, Selection};
-use super::output::{Files, Talk};
+use super::output::Talk;
+use super::results::Files;
 use crate::error::Result;
 use crate::report::{self, Analysis};
 

@@ -6,7 +6,8 @@ use clap::Args;
 use serde_json::json;
 
 use super::common::Common;
-use super::output::{self, Files, Talk};
+use super::output::{self, Talk};
+use super::results::Files;
 use crate::error::{Error, Result};
 use crate::machine::Machine;
 use crate::motion::Trajectory;

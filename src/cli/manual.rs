@@ -4,7 +4,8 @@ use clap::{Args, Command};
 use clap_complete::Shell;
 
 use super::common::Common;
-use super::output::{self, Files, Talk};
+use super::output::{self, Talk};
+use super::results::Files;
 use crate::error::{Error, Kind, Result};
 
 /// Print the completions of a shell on stdout

@@ -20,6 +20,7 @@ mod output;
 mod paper;
 mod plan;
 mod program;
+mod results;
 mod simulate;
 mod time;
 
@@ -124,7 +125,7 @@ impl Cli {
     fn run(&self, talk: &Talk) -> Result<()> {
         let common = &self.common;
         if self.command.writes() {
-            output::check_directory(&common.output)?;
+            results::check_directory(&common.output)?;
         }
         match &self.command {
             Command::Plan(arguments) => arguments.run(common, talk),

@@ -3,7 +3,8 @@
 use clap::Args;
 
 use super::common::Common;
-use super::output::{Files, Talk};
+use super::output::Talk;
+use super::results::Files;
 use crate::error::Result;
 use crate::paper::{self, Comparison, Geometry};
 use crate::report;

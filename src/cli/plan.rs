@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::common::Common;
-use super::output::{Files, Talk};
+use super::output::Talk;
+use super::results::Files;
 use crate::design::Outlook;
 use crate::error::Result;
 use crate::model::ModelFile;

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::common::Common;
-use super::output::{self, Files, Talk};
+use super::output::{self, Talk};
+use super::results::Files;
 use crate::design::PlannedProgram;
 use crate::error::{Error, Kind, Result};
 use crate::machine::Machine;
