@@ -25,25 +25,22 @@ pub(super) struct Arguments {
 impl Arguments {
     pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
         let identified = self.selection.identify(talk)?;
-        let mut files = Files::default();
+        let mut files = Files::of(common, self.selection.read(&identified));
         for identification in &identified.campaign.repeats {
             for run in &identification.runs {
                 let mut text = Vec::new();
                 report::write_aligned(&mut text, run)?;
-                files.add(common.output.join(format!("samples-{}.csv", run.name)), text);
+                files.add(format!("samples-{}.csv", run.name), text);
             }
         }
         let analysis = identified.analysis();
-        files.write()?;
+        let written = files.write()?;
         if common.json {
             let runs: Vec<_> = analysis.runs().collect();
             return output::print(&format!("{:#}\n", serde_json::json!(runs)));
         }
         output::print(&report::runs_table(&analysis))?;
-        for run in analysis.runs() {
-            let file = common.output.join(format!("samples-{}.csv", run.name));
-            talk.say(&format!("wrote {}", file.display()));
-        }
+        written.told(talk);
         Ok(())
     }
 }

@@ -1,7 +1,5 @@
 //! `ballbar analyse`: align, identify, diagnose and report in one.
 
-use std::path::Path;
-
 use clap::Args;
 
 use super::common::Common;
@@ -29,8 +27,8 @@ impl Arguments {
     pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
         let identified = self.selection.identify(talk)?.diagnosed(talk)?;
         let analysis = identified.analysis();
-        let mut files = Files::default();
-        let json = add_results(&mut files, &common.output, &identified, &analysis)?;
+        let mut files = Files::of(common, self.selection.read(&identified));
+        let json = add_results(&mut files, &identified, &analysis)?;
         files.deliver(common.json, talk, &json, &report::summary(&analysis))
     }
 }
@@ -38,21 +36,27 @@ impl Arguments {
 /// Adds report, analysis and samples; returns the analysis as JSON.
 pub(super) fn add_results(
     files: &mut Files,
-    directory: &Path,
     identified: &Identified,
     analysis: &Analysis,
 ) -> Result<String> {
+    files.instead_of(is_result);
     let json = analysis.to_json()?;
-    files.add(directory.join("report.html"), report::html::render(analysis, identified.shown())?);
-    files.add(directory.join("analysis.json"), json.clone());
+    files.add("report.html", report::html::render(analysis, identified.shown())?);
+    files.add("analysis.json", json.clone());
     if let Some(diagnosis) = identified.diagnosis.as_ref().filter(|d| !d.findings.is_empty()) {
         let model = diagnosis.model_file(&identified.campaign);
-        files.add(directory.join("model.toml"), model.to_toml());
+        files.add("model.toml", model.to_toml());
     }
     for (run, before) in identified.shown().runs() {
         let mut text = Vec::new();
         report::write_samples(&mut text, run, before)?;
-        files.add(directory.join(format!("samples-{}.csv", run.name)), text);
+        files.add(format!("samples-{}.csv", run.name), text);
     }
     Ok(json)
+}
+
+/// Whether [`add_results`] gives files such a name.
+fn is_result(name: &str) -> bool {
+    matches!(name, "report.html" | "analysis.json" | "model.toml")
+        || name.strip_prefix("samples-").is_some_and(|rest| rest.strip_suffix(".csv").is_some())
 }

@@ -120,12 +120,11 @@ impl Arguments {
 
     fn run_grid(&self, grid: &Grid, common: &Common, talk: &Talk) -> Result<()> {
         if let (Some(request), true) = (self.trial, self.write) {
-            let mut files = Files::default();
+            let mut files = Files::of(common, Vec::new());
             for (name, text) in grid.files(request)? {
-                files.add(common.output.join(name), text);
+                files.add(name, text);
             }
-            files.keep(&[])?;
-            for file in files.write()? {
+            for file in files.write()?.files {
                 output::print(&format!("{}\n", file.display()))?;
             }
             return Ok(());

@@ -7,7 +7,7 @@ use serde_json::json;
 
 use super::common::Common;
 use super::output::{self, Talk};
-use super::results::Files;
+use super::results::{Files, Written};
 use crate::error::{Error, Result};
 use crate::machine::Machine;
 use crate::motion::Trajectory;
@@ -130,7 +130,7 @@ impl Arguments {
         }
         talk.say(&format!("{} blocks, {errors} error(s), {warnings} warning(s)", checked.blocks));
         if let Some(picture) = picture {
-            talk.say(&format!("wrote {}", picture.display()));
+            picture.told(talk);
         }
         if sphere.is_none() {
             talk.say("without --test: bar, sphere and work offset were not checked");
@@ -152,17 +152,17 @@ impl Arguments {
         program: &Program,
         machine: &Machine,
         sphere: &Sphere,
-    ) -> Result<PathBuf> {
+    ) -> Result<Written> {
         let name =
             self.program.file_name().map_or_else(String::new, |n| n.to_string_lossy().into());
         let stem = name.trim_end_matches(".gz");
         let stem = stem.rsplit_once('.').map_or(stem, |(stem, _)| stem);
-        let file = common.output.join(format!("{stem}-path.html"));
         let trajectory = Trajectory::new(program, machine, 1.0);
-        let mut files = Files::default();
-        files.add(file.clone(), report::path_page(&name, &trajectory, sphere)?);
-        files.write()?;
-        Ok(file)
+        let mut read = vec![self.program.clone(), machine.file().to_path_buf()];
+        read.extend(self.on.test.clone());
+        let mut files = Files::of(common, read);
+        files.add(format!("{stem}-path.html"), report::path_page(&name, &trajectory, sphere)?);
+        files.write()
     }
 }
 

@@ -36,17 +36,17 @@ impl Arguments {
             "1. the program of strategy 3D6, written and read back\n{}",
             told(&written)
         ));
-        let program = common.output.join(&written.file_name);
 
         talk.say(
             "2. five measured logs, aligned, identified and searched for what the model gets wrong",
         );
-        let identified = Selection::of_file(file).identify(talk)?.diagnosed(talk)?;
+        let selection = Selection::of_file(file);
+        let identified = selection.identify(talk)?.diagnosed(talk)?;
         let analysis = identified.analysis();
-        let mut files = Files::default();
-        files.add(program, written.text.clone());
-        let json = add_results(&mut files, &common.output, &identified, &analysis)?;
-        let files = files.write()?;
+        let mut files = Files::of(common, selection.read(&identified));
+        files.add(&written.file_name, written.text.clone());
+        let json = add_results(&mut files, &identified, &analysis)?;
+        let files = files.write()?.files;
         if common.json {
             output::print(&json)?;
         } else {

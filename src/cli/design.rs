@@ -40,8 +40,7 @@ impl Arguments {
         if measured.is_some() {
             proposal.next = designer.next();
         }
-        let file = common.output.join("test.toml");
-        let designed = Test::parse(&proposal.text, &file)?;
+        let designed = Test::parse(&proposal.text, &common.output.join("test.toml"))?;
         let outlook = Outlook::new(&designed, &machine)?;
         progress.finish_and_clear();
         // What was wanted and is not seen in the time there is.
@@ -65,13 +64,12 @@ impl Arguments {
             .at(Place::file(&self.test))
             .hint("give more `budget_min` or `most_mountings`, or leave them out of `wanted`"));
         }
-        let mut files = Files::default();
-        files.add(file, proposal.text.clone());
         // Designed beside what was measured, the test must not replace the one that the analysis is of.
-        let mut kept = vec![self.test.clone(), machine.file().to_path_buf()];
-        kept.extend(self.given.clone());
-        kept.extend(measured.as_ref().map(|measured| measured.test().file().to_path_buf()));
-        files.keep(&kept)?;
+        let mut read = test.files();
+        read.extend(self.given.clone());
+        read.extend(measured.as_ref().map(|measured| measured.test().file().to_path_buf()));
+        let mut files = Files::of(common, read);
+        files.add("test.toml", proposal.text.clone());
         let json = format!("{:#}\n", report::proposal_json(&test, &proposal, &outlook));
         files.deliver(common.json, talk, &json, &report::proposal_text(&test, &proposal, &outlook))
     }

@@ -41,8 +41,8 @@ impl Arguments {
             Error::new(Kind::Undetermined, "there is nothing to diagnose")
                 .hint("give the test file at least one `[[run]]`")
         })?;
-        let mut files = Files::default();
-        add_results(&mut files, &common.output, &identified, &analysis)?;
+        let mut files = Files::of(common, self.selection.read(&identified));
+        add_results(&mut files, &identified, &analysis)?;
         let text = report::diagnosis_text(facts) + &report::place_text(&analysis);
         files.deliver(common.json, talk, &facts.to_json()?, &text)
     }

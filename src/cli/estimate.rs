@@ -87,6 +87,13 @@ impl Selection {
     }
 }
 
+impl Selection {
+    /// The files that were read for it.
+    pub(super) fn read(&self, identified: &Identified) -> Vec<PathBuf> {
+        identified.test.files().into_iter().chain(self.model.clone()).collect()
+    }
+}
+
 impl Identified {
     /// The same with what the model gets wrong.
     pub(super) fn diagnosed(mut self, talk: &Talk) -> Result<Self> {

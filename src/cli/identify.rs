@@ -27,8 +27,8 @@ impl Arguments {
         let identified = self.selection.identify(talk)?;
         let analysis = identified.analysis();
         let json = analysis.to_json()?;
-        let mut files = Files::default();
-        files.add(common.output.join("analysis.json"), json.clone());
+        let mut files = Files::of(common, self.selection.read(&identified));
+        files.add("analysis.json", json.clone());
         files.deliver(common.json, talk, &json, &report::summary(&analysis))
     }
 }

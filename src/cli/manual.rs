@@ -31,7 +31,7 @@ impl Man {
     // The other subcommands have arguments to look at.
     #[expect(clippy::unused_self)]
     pub(super) fn run(&self, whole: &Command, common: &Common, talk: &Talk) -> Result<()> {
-        let mut files = Files::default();
+        let mut files = Files::of(common, Vec::new());
         let pages = std::iter::once(whole.clone())
             .chain(whole.get_subcommands().filter(|c| !c.is_hide_set()).cloned());
         for page in pages {
@@ -43,11 +43,9 @@ impl Man {
             clap_mangen::Man::new(page).title(name.clone()).render(&mut text).map_err(|error| {
                 Error::new(Kind::Output, format!("cannot make the man page: {error}"))
             })?;
-            files.add(common.output.join(format!("{name}.1")), text);
+            files.add(format!("{name}.1"), text);
         }
-        for file in files.write()? {
-            talk.say(&format!("wrote {}", file.display()));
-        }
+        files.write()?.told(talk);
         Ok(())
     }
 }

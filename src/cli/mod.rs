@@ -2,7 +2,7 @@
 //!
 //! Data goes to stdout, talk to stderr. Exit codes: 0 done; 1 a file or a value cannot be used; 2 the
 //! command line is wrong; 3 a log does not belong to its program; 4 the data cannot determine what was
-//! asked for; 5 a result cannot be written.
+//! asked for; 5 a result cannot be written; 130 interrupted.
 
 mod align;
 mod analyse;
@@ -62,7 +62,8 @@ Exit codes:
   2  the command line is wrong
   3  a log does not belong to its program
   4  the data cannot determine what was asked for
-  5  a result cannot be written";
+  5  a result cannot be written
+  130  interrupted; nothing was written, or all";
 
 #[derive(Subcommand)]
 enum Command {
@@ -112,6 +113,7 @@ impl Command {
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let talk = Talk::new(cli.common.quiet);
+    results::heed_interrupts();
     match cli.run(&talk) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
@@ -125,7 +127,7 @@ impl Cli {
     fn run(&self, talk: &Talk) -> Result<()> {
         let common = &self.common;
         if self.command.writes() {
-            results::check_directory(&common.output)?;
+            results::check_directory(common)?;
         }
         match &self.command {
             Command::Plan(arguments) => arguments.run(common, talk),

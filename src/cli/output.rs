@@ -1,5 +1,6 @@
 //! How the program speaks: data on stdout, talk on stderr.
 
+use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::{IsTerminal, Write};
 use std::time::Duration;
@@ -31,13 +32,13 @@ impl Talk {
     pub(super) fn say(&self, text: &str) {
         if !self.quiet {
             // Nobody left to read it is no reason to fail.
-            let _ = writeln!(std::io::stderr(), "{text}");
+            let _ = writeln!(std::io::stderr(), "{}", harmless(text));
         }
     }
 
     /// The error with its hint; a stream that shows no colours gets none.
     pub(super) fn error(error: &Error) {
-        let text = format!("{ERROR}error{ERROR:#}: {error}");
+        let text = format!("{ERROR}error{ERROR:#}: {}", harmless(&error.to_string()));
         let text = text.replace("\nhint:", &format!("\n{HINT}hint{HINT:#}:"));
         let _ = writeln!(anstream::stderr(), "{text}");
     }
@@ -72,6 +73,7 @@ pub(super) fn print_summary(text: &str) -> Result<()> {
     if AutoStream::choice(&std::io::stdout()) == ColorChoice::Never {
         return print(text);
     }
+    let text = harmless(text);
     let heading = |line: &str| !line.is_empty() && !line.starts_with(' ');
     let mut coloured = String::with_capacity(text.len() + 512);
     for line in text.lines() {
@@ -82,16 +84,59 @@ pub(super) fn print_summary(text: &str) -> Result<()> {
         };
         let _ = writeln!(coloured, "{style}{line}{style:#}");
     }
-    print(&coloured)
+    send(&coloured)
 }
 
 /// Data on stdout. A reader that went away, such as `head`, is no error.
 pub(super) fn print(text: &str) -> Result<()> {
+    send(&harmless(text))
+}
+
+/// To stdout as it stands.
+fn send(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
             Err(Error::new(Kind::Output, format!("cannot write to stdout: {error}")))
         }
         _ => Ok(()),
+    }
+}
+
+/// Text that does nothing to a terminal: names come from files of others, and what a terminal obeys (it can clear
+/// the screen, and write what was never said) is shown as JSON writes it, so that JSON stays the same.
+fn harmless(text: &str) -> Cow<'_, str> {
+    let obeyed = |c: char| {
+        c.is_control() && !matches!(c, '\n' | '\t')
+            // Characters that turn the direction of writing.
+            || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    };
+    if !text.contains(obeyed) {
+        return Cow::Borrowed(text);
+    }
+    let mut shown = String::with_capacity(text.len() + 16);
+    for c in text.chars() {
+        if obeyed(c) {
+            let _ = write!(shown, "\\u{:04x}", u32::from(c));
+        } else {
+            shown.push(c);
+        }
+    }
+    Cow::Owned(shown)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::harmless;
+
+    #[test]
+    fn a_name_cannot_clear_the_screen() {
+        let text = "\u{1b}[2J run\r \u{9b}31m \u{202e}nc.1000O\u{7f}";
+        assert_eq!(harmless(text), "\\u001b[2J run\\u000d \\u009b31m \\u202enc.1000O\\u007f");
+        assert_eq!(harmless("Stra\u{df}e\t1\n"), "Stra\u{df}e\t1\n");
+        // In a string of JSON it is the same character as before.
+        let json = serde_json::to_string("\u{1b}\u{9b}\n").unwrap();
+        let back: String = serde_json::from_str(&harmless(&json)).unwrap();
+        assert_eq!(back, "\u{1b}\u{9b}\n");
     }
 }

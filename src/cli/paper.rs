@@ -41,10 +41,10 @@ impl Arguments {
         } else {
             None
         };
-        let mut files = Files::default();
+        let mut files = Files::of(common, Vec::new());
         if self.page {
             let page = report::paper_page(&comparison, nearest.as_ref());
-            files.add(common.output.join("paper.md"), page);
+            files.add("paper.md", page);
         }
         let json = format!("{:#}\n", report::paper_json(&comparison, nearest.as_ref()));
         let text = report::paper_text(&comparison)

@@ -67,9 +67,12 @@ impl Arguments {
         bar.finish_and_clear();
         let plan = PlanReport::new(&planned, self.repeats);
         let json = plan.to_json()?;
-        let mut files = Files::default();
-        files.add(common.output.join("plan.html"), report::plan_page(&plan, &planned)?);
-        files.add(common.output.join("plan.json"), json.clone());
+        let mut read: Vec<PathBuf> =
+            planned.iter().flat_map(|planned| planned.test.files()).collect();
+        read.extend(self.model.clone());
+        let mut files = Files::of(common, read);
+        files.add("plan.html", report::plan_page(&plan, &planned)?);
+        files.add("plan.json", json.clone());
         files.deliver(common.json, talk, &json, &report::plan_summary(&plan, self.all))
     }
 }

@@ -35,11 +35,11 @@ impl Arguments {
     pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
         let test = Test::read(&self.test)?;
         let machine = test.machine()?;
-        let mut files = Files::default();
+        let mut files = Files::of(common, test.files());
         let mut written = Vec::new();
         for mounting in 0..test.mountings().len() {
             let program = self.safe(&test, &machine, mounting, talk)?;
-            files.add(common.output.join(&program.file_name), program.text.clone());
+            files.add(&program.file_name, program.text.clone());
             written.push(program);
         }
         files.write()?;

@@ -8,7 +8,7 @@ use super::common::Common;
 use super::output::{self, Talk};
 use super::results::Files;
 use crate::design::PlannedProgram;
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, Kind, Place, Result};
 use crate::machine::Machine;
 use crate::model::{Effect, ModelFile};
 use crate::nc;
@@ -54,8 +54,9 @@ pub(super) struct Arguments {
     repeats: u32,
 }
 
-/// A program to simulate: its text under a file name, and the mounting it runs in.
+/// A program to simulate, and the mounting it runs in.
 struct Source {
+    /// Name under which it is written; where it runs in several mountings, each time the same.
     file: String,
     text: String,
     mounting: usize,
@@ -81,24 +82,22 @@ impl Arguments {
         let simulated = self.simulate(&test, &machine, &scenario, &sources, &|| progress.inc(1));
         progress.finish_and_clear();
         let simulated = simulated?;
-        let mut files = Files::default();
-        for source in &sources {
-            files.add(common.output.join(&source.file), source.text.clone());
+        let mut files = Files::of(common, self.inputs(&test));
+        for (index, source) in sources.iter().enumerate() {
+            if sources[..index].iter().all(|before| before.file != source.file) {
+                files.add(&source.file, source.text.clone());
+            }
         }
         for one in &simulated {
-            files.add(common.output.join(&one.log), one.run.csv());
+            files.add(&one.log, one.run.csv());
         }
         let truths: Vec<TrueRun> = simulated
             .iter()
             .map(|one| TrueRun { log: &one.log, program: &sources[one.source].file, run: &one.run })
             .collect();
-        files.add(
-            common.output.join("truth.toml"),
-            truth_toml(&truths, &asked_of(&test, &machine, &scenario)?),
-        );
-        files.add(common.output.join("test.toml"), self.test_of(&test, &sources, &simulated)?);
-        files.keep(&self.inputs(&test, &machine))?;
-        let files = files.write()?;
+        files.add("truth.toml", truth_toml(&truths, &asked_of(&test, &machine, &scenario)?));
+        files.add("test.toml", self.test_of(&test, &sources, &simulated)?);
+        let files = files.write()?.files;
         if common.json {
             let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
             return output::print(&format!("{:#}\n", serde_json::json!({ "files": names })));
@@ -182,14 +181,9 @@ impl Arguments {
         Ok(simulated)
     }
 
-    /// The files that are read: none of them may be replaced.
-    fn inputs(&self, test: &Test, machine: &Machine) -> Vec<PathBuf> {
-        let mut inputs = vec![self.test.clone(), machine.file().to_path_buf()];
-        inputs.extend(self.scenario.clone());
-        for run in test.runs().unwrap_or_default() {
-            inputs.extend([run.program.clone(), run.log.clone()]);
-        }
-        inputs
+    /// The files that are read.
+    fn inputs(&self, test: &Test) -> Vec<PathBuf> {
+        test.files().into_iter().chain(self.scenario.clone()).chain(self.model.clone()).collect()
     }
 
     fn sources(test: &Test, machine: &Machine) -> Result<Vec<Source>> {
@@ -202,14 +196,20 @@ impl Arguments {
                 .collect();
         }
         let mut sources: Vec<Source> = Vec::new();
+        // Programs in the order in which runs name them, and in which mountings they run.
+        let mut programs: Vec<(&Path, String)> = Vec::new();
+        let mut seen: Vec<(&Path, usize)> = Vec::new();
         for run in test.runs()? {
-            let file =
-                run.program.file_name().map_or(String::new(), |n| n.to_string_lossy().into());
-            let file = file.trim_end_matches(".gz").to_owned();
-            if sources.iter().all(|source| source.file != file || source.mounting != run.mounting) {
-                let text = crate::nc::text_of(&run.program)?;
-                sources.push(Source { file, text, mounting: run.mounting });
+            let path = run.program.as_path();
+            if seen.contains(&(path, run.mounting)) {
+                continue;
             }
+            seen.push((path, run.mounting));
+            let known = programs.iter().find(|(program, _)| *program == path);
+            let file = known.map_or_else(|| free_name(path, &programs), |(_, file)| file.clone());
+            programs.push((path, file.clone()));
+            let text = crate::nc::text_of(path)?;
+            sources.push(Source { file, text, mounting: run.mounting });
         }
         Ok(sources)
     }
@@ -222,7 +222,12 @@ impl Arguments {
             toml::from_str(&source).map_err(|error| faulty(error.to_string()))?;
         let machine = test.machine()?.file().to_path_buf();
         let machine = std::fs::canonicalize(&machine).unwrap_or(machine);
-        table.insert("machine".into(), machine.display().to_string().into());
+        let named = machine.to_str().ok_or_else(|| {
+            faulty("a test file cannot name a machine file whose path is no text".to_owned())
+                .at(Place::file(&machine))
+                .hint("give the file and its directories names in UTF-8")
+        })?;
+        table.insert("machine".into(), named.into());
         // The simulated log has the usual columns, whatever the measured ones had.
         table.remove("log");
         let runs: Vec<toml::Value> = simulated
@@ -260,6 +265,22 @@ fn log_name(sources: &[Source], index: usize, repeat: u32) -> String {
         // One program, run in several mountings.
         _ => format!("run{repeat}-{}-{}.csv", stem(file), index + 1),
     }
+}
+
+/// The file name of a program, with a number where another directory has a program of that name: file systems may
+/// not tell upper from lower case.
+fn free_name(program: &Path, taken: &[(&Path, String)]) -> String {
+    let name = program.file_name().map_or(String::new(), |name| name.to_string_lossy().into());
+    let name = name.trim_end_matches(".gz");
+    let free =
+        |name: &String| taken.iter().all(|(_, taken)| taken.to_lowercase() != name.to_lowercase());
+    let (stem, extension) = name.rsplit_once('.').unwrap_or((name, "nc"));
+    // One of so many names is free.
+    let numbers = 2..=taken.len() + 2;
+    std::iter::once(name.to_owned())
+        .chain(numbers.map(|number| format!("{stem}-{number}.{extension}")))
+        .find(free)
+        .unwrap_or_default()
 }
 
 fn stem(file: &str) -> &str {

@@ -81,6 +81,12 @@ impl Test {
         &self.file
     }
 
+    /// All files that belong to the test: its own, that of the machine, programs and logs of the runs.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let runs = self.runs.iter().flat_map(|run| [&run.program, &run.log]);
+        [&self.file, &self.machine].into_iter().chain(runs).cloned().collect()
+    }
+
     /// SHA-256 of the file's text, in hexadecimal.
     pub fn hash(&self) -> &str {
         &self.hash

@@ -110,6 +110,8 @@ impl Outcome {
         let Ok(entries) = std::fs::read_dir(&self.results) else { return Vec::new() };
         let mut names: Vec<String> =
             entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        // Beside them lies what was written, with hashes.
+        names.retain(|name| name != ".ballbar");
         names.sort();
         names
     }
@@ -128,6 +130,7 @@ impl Outcome {
         assert_eq!(self.code(), code, "{message}");
         assert_eq!(self.stdout(), "", "no data with an error");
         assert_eq!(self.files(), Vec::<String>::new(), "nothing half-written");
+        assert!(!self.results.join(".ballbar/staged").exists(), "nothing left over");
         assert!(message.starts_with("error: "), "{message}");
         assert!(message.lines().any(|line| line.starts_with("hint: ")), "{message}");
         assert!(!message.contains("panicked"), "{message}");
