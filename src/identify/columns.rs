@@ -61,6 +61,17 @@ impl Columns {
         Self { coefficients, runs, delays, as_planned: false, unlike: true, cuts, total }
     }
 
+    /// Which columns a run has a part in: the coefficients, and those of its own times. A row of the run has these.
+    pub(super) fn of_run(&self, run: usize) -> Vec<usize> {
+        let end = self.cut(run).map_or(self.delays(run).end, |cut| cut + 1);
+        (0..self.coefficients).chain(self.runs[run].0..end).collect()
+    }
+
+    /// Where in a row of a run one of its own columns stands.
+    pub(super) fn in_row(&self, run: usize, column: usize) -> usize {
+        column - self.runs[run].0 + self.coefficients
+    }
+
     /// Column of the offset of a leg; `None` where the leg has no samples.
     pub(super) fn offset(&self, run: usize, leg: usize) -> Option<usize> {
         let (first, legs) = &self.runs[run];

@@ -114,11 +114,13 @@ impl Identification {
         });
         let mut samples = Vec::new();
         let mut q = Vec::new();
-        let mut row = vec![0.0; fit.columns.total];
         // Run and section of the arc before.
         let mut last = None;
         let mut arcs = 0;
         for (index, run) in self.runs.iter().enumerate() {
+            let places = fit.columns.of_run(index);
+            let mut row = vec![0.0; places.len()];
+            let step: Vec<f64> = places.iter().map(|place| step[*place]).collect();
             for (k, record) in run.records.iter().enumerate() {
                 let (None, Part::Arc(section)) = (fit.state.apart[index][k], record.sample.part)
                 else {
@@ -134,10 +136,10 @@ impl Identification {
                 let first = q.len();
                 q.resize(first + rank, 0.0);
                 let out = &mut q[first..];
-                for (column, value) in row.iter().enumerate() {
+                for (value, column) in row.iter().zip(&places) {
                     let value = value * root_weight / fit.state.counts_mm();
                     if value != 0.0 {
-                        for (q, f) in out.iter_mut().zip(factor.row(column)) {
+                        for (q, f) in out.iter_mut().zip(factor.row(*column)) {
                             *q += value * f;
                         }
                     }

@@ -1,5 +1,7 @@
 //! The rows of a fit: what every reading, every mark and the clock say of coefficients and times.
 
+use rayon::prelude::*;
+
 use super::fit::Fit;
 use super::input::RunInput;
 use super::timing::{self, View};
@@ -38,9 +40,9 @@ impl Fit<'_> {
 
     /// One pass over the samples: rows of coefficients and time, in units of the noise.
     pub(super) fn factor(&self, detail: timing::Detail) -> Result<Triangle> {
-        let mut rows = Tsqr::new(self.columns.total);
-        let mut row = vec![0.0; self.columns.total];
-        for (index, run) in self.runs.iter().enumerate() {
+        let mut rows = self.fold_runs(&|index, rows| {
+            let run = &self.runs[index];
+            let mut row = vec![0.0; rows.columns()];
             let stride = timing::stride(detail, run.samples().len());
             for (k, sample) in run.samples().iter().enumerate().step_by(stride) {
                 if self.state.apart[index][k].is_some() {
@@ -52,8 +54,10 @@ impl Fit<'_> {
                 let residual_mm = self.residual_mm(index, &view);
                 rows.push_weighted(&row, residual_mm, weight.sqrt() / self.state.counts_mm());
             }
-            self.push_time(&mut rows, &mut row, index, run);
-        }
+            self.each_time_row(&mut row, index, |row, value, sigma| {
+                rows.push_weighted(row, value, 1.0 / sigma);
+            });
+        })?;
         self.push_plausible(&mut rows, &self.state.values);
         for (column, value, sigma) in self.driven() {
             rows.push_prior(column, -value, sigma);
@@ -61,6 +65,24 @@ impl Fit<'_> {
         rows.finish()
     }
 
+    /// Rows of the runs, pushed side by side, each run's among its own columns, and joined in the order of the runs.
+    pub(super) fn fold_runs(&self, push: &(dyn Fn(usize, &mut Tsqr) + Sync)) -> Result<Tsqr> {
+        let of_run = |index: usize| {
+            let places = self.columns.of_run(index);
+            let mut rows = Tsqr::new(places.len());
+            push(index, &mut rows);
+            Ok((rows.finish()?, places))
+        };
+        let runs: Vec<Result<_>> = (0..self.runs.len()).into_par_iter().map(of_run).collect();
+        let mut all = Tsqr::new(self.columns.total);
+        for run in runs {
+            let (triangle, places) = run?;
+            all.push_among(&triangle, &places);
+        }
+        Ok(all)
+    }
+
+    /// The row of a sample: coefficients, then the times of its run.
     pub(super) fn fill_row(&self, row: &mut [f64], index: usize, sample: &Sample, view: &View) {
         row.fill(0.0);
         let run = &self.runs[index];
@@ -72,21 +94,23 @@ impl Fit<'_> {
         };
         self.model.row(&situation, &mut row[..self.columns.coefficients]);
         let map = &run.alignment.time_map;
+        let at = |column: usize| self.columns.in_row(index, column);
         if let Some(offset) = self.columns.offset(index, sample.leg) {
-            row[offset] = -view.speed_mm_s;
+            row[at(offset)] = -view.speed_mm_s;
         }
-        row[self.columns.rate(index)] = view.speed_mm_s * (sample.log_s - map.pivot_s);
-        row[self.columns.pace(index)] =
+        row[at(self.columns.rate(index))] = view.speed_mm_s * (sample.log_s - map.pivot_s);
+        row[at(self.columns.pace(index))] =
             view.speed_mm_s * map.from_middle_s(sample.log_s, sample.leg);
         if self.columns.as_planned {
             return;
         }
-        row[self.columns.following(index)] = view.following_mm_s;
+        row[at(self.columns.following(index))] = view.following_mm_s;
         for (column, contrast) in self.columns.delays(index).zip(&self.columns.delays[index]) {
-            row[column] = if self.columns.unlike { view.delayed_mm_s.dot(contrast) } else { 0.0 };
+            row[at(column)] =
+                if self.columns.unlike { view.delayed_mm_s.dot(contrast) } else { 0.0 };
         }
         if let Some(column) = self.columns.cut(index) {
-            row[column] = 1.0;
+            row[at(column)] = 1.0;
         }
     }
 
@@ -108,29 +132,24 @@ impl Fit<'_> {
         }
     }
 
-    /// Rows of the marks and of the clock's tolerance.
-    fn push_time(&self, rows: &mut Tsqr, row: &mut [f64], index: usize, run: &RunInput) {
-        self.each_time_row(row, index, run, |row, value, sigma| {
-            rows.push_weighted(row, value, 1.0 / sigma);
-        });
-    }
-
     /// Calls back with each row about the time map alone: row, right-hand side, standard deviation.
     pub(super) fn each_time_row(
         &self,
         row: &mut [f64],
         index: usize,
-        run: &RunInput,
         mut push: impl FnMut(&[f64], f64, f64),
     ) {
+        let run = &self.runs[index];
         let map = &run.alignment.time_map;
+        let at = |column: usize| self.columns.in_row(index, column);
+        let (rate, pace) = (at(self.columns.rate(index)), at(self.columns.pace(index)));
         for mark in &run.alignment.marks {
             let leg = map.leg_of(mark.program_s);
             let Some(offset) = self.columns.offset(index, leg) else { continue };
             row.fill(0.0);
-            row[offset] = 1.0;
-            row[self.columns.rate(index)] = -(mark.log_s - map.pivot_s);
-            row[self.columns.pace(index)] = -map.from_middle_s(mark.log_s, leg);
+            row[at(offset)] = 1.0;
+            row[rate] = -(mark.log_s - map.pivot_s);
+            row[pace] = -map.from_middle_s(mark.log_s, leg);
             push(row, map.on_leg_s(mark.log_s, leg) - mark.program_s, mark.sigma_s);
         }
         let legs = &self.columns.runs[index].1;
@@ -141,16 +160,16 @@ impl Fit<'_> {
                 continue;
             };
             row.fill(0.0);
-            (row[first], row[second]) = (-1.0, 1.0);
+            (row[at(first)], row[at(second)]) = (-1.0, 1.0);
             let stood_s = map.offsets_s[two[1]] - map.offsets_s[two[0]];
             let [mean_s, sigma_s] = map.stands_s(two[0], two[1]);
             push(row, mean_s - stood_s, sigma_s);
         }
         row.fill(0.0);
-        row[self.columns.rate(index)] = 1.0;
+        row[rate] = 1.0;
         push(row, -map.rate, self.options.clock_tolerance);
         row.fill(0.0);
-        row[self.columns.pace(index)] = 1.0;
+        row[pace] = 1.0;
         push(row, -map.pace, map.pace_plausible);
     }
 

@@ -10,9 +10,7 @@ use super::state::State;
 use super::{cautions, residuals};
 use crate::align::Sample;
 use crate::error::Result;
-use crate::solve::{
-    self, Autocovariances, BackwardFilter, Matrix, NoiseModel, Solution, Triangle, Tsqr,
-};
+use crate::solve::{self, Autocovariances, BackwardFilter, Matrix, NoiseModel, Solution, Triangle};
 
 /// What the readings decided.
 pub(super) struct Decided {
@@ -161,10 +159,10 @@ impl Fit<'_> {
 
     /// The rows `W J`, filtered by the noise, for the sandwich.
     pub(super) fn filtered(&self, noise: &NoiseModel) -> Result<Triangle> {
-        let mut rows = Tsqr::new(self.columns.total);
-        let mut row = vec![0.0; self.columns.total];
-        let mut filter = BackwardFilter::new(noise, self.columns.total);
-        for (index, run) in self.runs.iter().enumerate() {
+        let rows = self.fold_runs(&|index, rows| {
+            let run = &self.runs[index];
+            let mut row = vec![0.0; rows.columns()];
+            let mut filter = BackwardFilter::new(noise, rows.columns());
             for segment in self.segments(index) {
                 filter.begin(segment.len());
                 for k in segment.rev() {
@@ -178,10 +176,10 @@ impl Fit<'_> {
                     rows.push(filter.push(&row), 0.0);
                 }
             }
-            self.each_time_row(&mut row, index, run, |row, _, sigma| {
+            self.each_time_row(&mut row, index, |row, _, sigma| {
                 rows.push_weighted(row, 0.0, 1.0 / sigma);
             });
-        }
+        })?;
         rows.finish()
     }
 

@@ -137,6 +137,28 @@ impl Tsqr {
         self.rows = rows;
     }
 
+    /// Adds all rows that a triangle of fewer columns stands for, each of its columns at its place among these.
+    ///
+    /// A run knows only its own times: folded by itself it costs the square of few columns, not of those of all runs.
+    ///
+    /// # Panics
+    ///
+    /// If `places` does not give each of its columns one of these.
+    pub fn push_among(&mut self, triangle: &Triangle, places: &[usize]) {
+        assert_eq!(places.len(), triangle.columns(), "each column has a place");
+        let rows = self.rows + triangle.rows;
+        let mut row = vec![0.0; self.columns];
+        for (of, rhs) in triangle.q_t_rhs.iter().enumerate() {
+            for (&place, value) in places.iter().zip(triangle.r.row(of)) {
+                row[place] = *value;
+            }
+            self.push(&row, *rhs);
+        }
+        row.fill(0.0);
+        self.push(&row, triangle.residual_norm);
+        self.rows = rows;
+    }
+
     /// The triangle of all rows pushed.
     ///
     /// Fewer rows than columns, or none, are no error: the rank tells.
