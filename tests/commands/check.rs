@@ -58,6 +58,24 @@ fn a_feed_move_through_the_workpiece_ball_is_an_error() {
     }
 }
 
+/// A bar that was pulled off hangs loose: one digit leads out along the radius, and the next point runs into the bar.
+#[test]
+fn a_path_that_comes_back_to_a_bar_that_it_has_released_is_an_error() {
+    for (from, to, rule) in [
+        ("\nG01 X149.99", "\nG01 X249.99", "engagement"),
+        // Far out, a way looks more like a radius than where it leaves the bar.
+        ("\nG01 X149.99", "\nG01 X250.000 Y11.000 Z0.000\nX149.99", "sphere"),
+    ] {
+        let work = written(from, to);
+        let outcome = work.ballbar(&["check", "edited.nc", "--test", "test.toml", "--json"]);
+        let told: serde_json::Value = serde_json::from_str(&outcome.stdout()).unwrap();
+        let findings = told["findings"].as_array().unwrap();
+        let found =
+            |finding: &serde_json::Value| finding["severity"] == "error" && finding["rule"] == rule;
+        assert!(findings.iter().any(found), "{to}: {told:#}");
+    }
+}
+
 /// The bar of the mounting counts, not that of the test.
 #[test]
 fn a_program_is_held_against_the_bar_of_its_mounting() {

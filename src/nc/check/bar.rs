@@ -1,5 +1,7 @@
 //! Rules of the ball-bar: reach, engagement, sphere, chords, what stands inside an arc, release.
 
+use nalgebra::Vector3;
+
 use super::findings::Findings;
 use super::sphere::Sphere;
 use crate::error::Error;
@@ -182,6 +184,8 @@ impl Walk<'_, '_> {
         if self.bar != Bar::Engaged {
             if self.sphere.too_near(least_mm) {
                 self.too_near(step, least_mm);
+            } else if self.bar == Bar::Released && self.fitted && self.sphere.in_reach(least_mm) {
+                self.comes_back(step, least_mm);
             }
             if inside {
                 self.engage(step, motion, start_mm);
@@ -194,7 +198,8 @@ impl Walk<'_, '_> {
         } else if self.sphere.too_near(least_mm) {
             self.leaves(step, least_mm);
             self.before = None;
-        } else if end_mm > self.sphere.length_mm && self.radial(motion) {
+        } else if end_mm > self.sphere.length_mm && self.along_radius_of(&motion.start_mm, motion) {
+            // Where the bar still holds both balls is what counts: far out, every way looks like a radius.
             self.bar = Bar::Released;
             self.before = None;
         } else {
@@ -217,9 +222,26 @@ impl Walk<'_, '_> {
         self.error(step.line, "too-near", what, hint);
     }
 
-    /// Whether a move leads along the radius.
+    /// A bar that was pulled off hangs loose until somebody takes it off or puts it in again.
+    fn comes_back(&mut self, step: &Step, least_mm: f64) {
+        if self.gap {
+            return;
+        }
+        let what = format!(
+            "the path comes back to {least_mm:.3} mm from the workpiece ball, to a bar that it has released"
+        );
+        let hint = "check the coordinates of the last block and of this one; between release and engagement, M00 lets the operator take the bar off";
+        self.error(step.line, "engagement", what, hint);
+    }
+
+    /// Whether a move leads along the radius of its end.
     pub(super) fn radial(&self, motion: &Move) -> bool {
-        let radius = motion.end_mm - self.sphere.centre_mm;
+        self.along_radius_of(&motion.end_mm, motion)
+    }
+
+    /// Whether a move leads along the radius of a point.
+    fn along_radius_of(&self, point_mm: &Vector3<f64>, motion: &Move) -> bool {
+        let radius = point_mm - self.sphere.centre_mm;
         let chord = motion.end_mm - motion.start_mm;
         radius.dot(&chord).abs() > RADIAL * radius.norm() * chord.norm()
     }

@@ -43,6 +43,11 @@ impl Sphere {
         (distance_mm - self.length_mm).abs() <= self.range_mm
     }
 
+    /// Whether the tool ball would touch the bar.
+    pub(super) fn in_reach(&self, distance_mm: f64) -> bool {
+        distance_mm <= self.length_mm + self.range_mm
+    }
+
     /// Whether a bar that is fitted would be pressed shorter than it can be, or a ball hit.
     pub(super) fn too_near(&self, distance_mm: f64) -> bool {
         distance_mm < self.length_mm - self.range_mm
