@@ -1,5 +1,7 @@
 //! The sphere that the bar spans, and how near a move comes to its middle.
 
+use std::f64::consts::{PI, TAU};
+
 use nalgebra::Vector3;
 
 use crate::machine::{Axis, Machine};
@@ -64,12 +66,27 @@ impl Sphere {
             }
             Path::Arc { sweep_rad, .. } => {
                 let pieces = sweep_rad.to_degrees().abs().ceil().max(1.0);
-                let at = |k: usize| motion.at(k as f64 / pieces).0;
-                (1..pieces as usize).map(|k| self.distance_mm(&at(k))).collect()
+                let shares = (1..pieces as usize).map(|k| k as f64 / pieces);
+                let shares = shares.chain(self.abreast(motion));
+                shares.map(|share| self.distance_mm(&motion.at(share).0)).collect()
             }
         };
         let all = ends.into_iter().chain(between);
         all.fold([f64::INFINITY, 0.0], |[low, high], d| [low.min(d), high.max(d)])
+    }
+
+    /// Shares of an arc at which it is abreast of the workpiece ball: the nearest and the farthest points of a flat arc. One
+    /// of a large radius is far from its ends before it has turned by a degree.
+    fn abreast(&self, motion: &Move) -> Vec<f64> {
+        let Path::Arc { center_mm, axis, sweep_rad } = motion.path else { return Vec::new() };
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        let angle_rad =
+            |point: &Vector3<f64>| (point[v] - center_mm[v]).atan2(point[u] - center_mm[u]);
+        let ahead_rad = angle_rad(&self.centre_mm) - angle_rad(&motion.start_mm);
+        let turned = |turn_rad: f64| {
+            ((ahead_rad + turn_rad) * sweep_rad.signum()).rem_euclid(TAU) / sweep_rad.abs()
+        };
+        [turned(0.0), turned(PI)].into_iter().filter(|share| *share < 1.0).collect()
     }
 
     /// Least distance when every axis goes at its own rapid traverse and stops when it is there, mm.
