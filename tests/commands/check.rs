@@ -89,6 +89,27 @@ fn a_path_that_comes_back_to_a_bar_that_it_has_released_is_an_error() {
     }
 }
 
+/// Whatever the program does first, it does from wherever somebody left the machine.
+#[test]
+fn a_first_positioning_that_passes_the_workpiece_ball_from_some_place_is_an_error() {
+    for (from, to) in [
+        // No retract, a retract by the wrong zero, a crossing that was lost, a retract that is too low.
+        ("G00 G53 Z399.000\n", "M00\n"),
+        ("G00 G53 Z399.000", "G00 Z99.000"),
+        ("G00 G53 X", "M00 (G00 G53 X"),
+        ("G00 G53 Z399.000", "G00 G53 Z150.000"),
+    ] {
+        let work = written(from, to);
+        let outcome = work.ballbar(&["check", "edited.nc", "--test", "test.toml", "--json"]);
+        let told: serde_json::Value = serde_json::from_str(&outcome.stdout()).unwrap();
+        let findings = told["findings"].as_array().unwrap();
+        let found = |finding: &serde_json::Value| {
+            finding["severity"] == "error" && finding["rule"] == "start"
+        };
+        assert!(findings.iter().any(found), "{to}: {told:#}");
+    }
+}
+
 /// The bar of the mounting counts, not that of the test.
 #[test]
 fn a_program_is_held_against_the_bar_of_its_mounting() {
