@@ -5,7 +5,7 @@ use super::lex::{Fault, Word};
 use super::listing::{Block, Line, Listing, Refuse};
 use super::modal::{Code, LookAhead, Miscellaneous, Stated};
 use super::position::{ARC, COORDINATES, Machine, Moved};
-use super::program::{Action, Step};
+use super::program::{Action, Path, Step};
 use super::reading::Reading;
 use crate::error::Result;
 use crate::machine::Dialect;
@@ -72,6 +72,8 @@ pub(crate) struct Ran {
     pub(crate) openings: Vec<Opening>,
     /// The first block that moves the machine, and what had been stated before it.
     pub(crate) at_first_motion: Option<(Line, Stated)>,
+    /// The same of the first arc.
+    pub(crate) at_first_arc: Option<(Line, Stated)>,
     /// For every block of the listing whether it ran.
     pub(crate) reached: Vec<bool>,
 }
@@ -94,6 +96,7 @@ pub(crate) fn run(
             marks: Vec::new(),
             openings: Vec::new(),
             at_first_motion: None,
+            at_first_arc: None,
             reached: vec![false; listing.blocks.len()],
         },
         calls: vec![Call { section: 0, next: listing.sections[0].blocks.start, again: 0 }],
@@ -239,6 +242,9 @@ impl Runner<'_> {
                 if moved != Moved::Not {
                     let stated = self.machine.modal.stated;
                     self.ran.at_first_motion.get_or_insert((block.line, stated));
+                    if matches!(moved, Moved::Along(motion) if motion.path != Path::Line) {
+                        self.ran.at_first_arc.get_or_insert((block.line, stated));
+                    }
                 }
                 match moved {
                     Moved::Not => {}

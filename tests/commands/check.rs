@@ -110,6 +110,22 @@ fn a_first_positioning_that_passes_the_workpiece_ball_from_some_place_is_an_erro
     }
 }
 
+/// Somebody may have left another plane, and an arc is then another one.
+#[test]
+fn an_arc_in_a_plane_that_nobody_stated_is_an_error() {
+    let work = written("G21 G17 G90", "G21 G90");
+    work.ballbar(&["check", "edited.nc", "--test", "test.toml"]).done();
+    let program = std::fs::read_to_string(work.path("edited.nc")).unwrap();
+    let arc =
+        program.replacen("\nG01 X149.99", "\nG03 X150.000 Y0. Z0. I-150.000 J0.\nG01 X149.99", 1);
+    for (with, code) in [(arc.clone(), 1), (arc.replacen("\nG03", "\nG17 G03", 1), 0)] {
+        work.write("edited.nc", with);
+        let outcome = work.ballbar(&["check", "edited.nc", "--test", "test.toml"]);
+        assert_eq!(outcome.code(), code, "{}", outcome.stdout());
+        assert_eq!(outcome.stdout().contains("stated the plane of its arcs"), code == 1);
+    }
+}
+
 /// The bar of the mounting counts, not that of the test.
 #[test]
 fn a_program_is_held_against_the_bar_of_its_mounting() {

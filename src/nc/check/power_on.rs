@@ -3,7 +3,7 @@
 use super::findings::Findings;
 use crate::machine::Dialect;
 use crate::nc::lex::Fault;
-use crate::nc::listing::Listing;
+use crate::nc::listing::{Line, Listing};
 use crate::nc::modal::Code;
 use crate::nc::run::Ran;
 
@@ -30,14 +30,21 @@ pub(super) fn check(listing: &Listing, ran: &Ran, dialect: Dialect, findings: &m
         let of = words.iter().filter(|(code, _)| !stated.has(*code));
         of.map(|(_, name)| *name).collect::<Vec<_>>().join(", ")
     };
-    let fault = |names: &str| {
+    let fault = |line: Line, names: &str| {
         let what = format!("the machine moves before the program has stated {names}");
         let hint = "what somebody left in force holds, and the path may be another: state it in the first blocks";
         listing.locate(line, Fault::line(what).hint(hint))
     };
     let depends = missing(&DEPENDS);
     if !depends.is_empty() {
-        findings.error("power-on", fault(&depends));
+        findings.error("power-on", fault(line, &depends));
+    }
+    // Where an arc comes after all, the path does depend on it.
+    let plane = Code::Plane(2);
+    if let Some((line, stated)) = ran.at_first_arc
+        && !stated.has(plane)
+    {
+        findings.error("power-on", fault(line, "the plane of its arcs, G17, G18 or G19"));
     }
     let mut may = missing(&MAY_DEPEND);
     if dialect == Dialect::Fanuc {
@@ -49,6 +56,6 @@ pub(super) fn check(listing: &Listing, ran: &Ran, dialect: Dialect, findings: &m
             .join(", ");
     }
     if !may.is_empty() {
-        findings.warning("power-on", fault(&may));
+        findings.warning("power-on", fault(line, &may));
     }
 }
