@@ -54,6 +54,9 @@ pub(super) struct RawBallBar {
 const SLOWEST_HZ: f64 = 0.01;
 const FASTEST_HZ: f64 = 5000.0;
 
+/// A point of a program with two decimals is off by no more, mm: half of the last decimal in three axes is 8.7 um.
+const ROUNDED_MM: f64 = 0.0099;
+
 impl RawBallBar {
     pub(super) fn check(self, log: &RawLog, text: &Text<'_>) -> Result<BallBar> {
         // Defaults: a QC20-W reads a little over 1 mm either way in steps of 0.1 um.
@@ -214,9 +217,10 @@ impl RawPlan {
                 .hint("add `strategy = \"3d6\"` or `[[plan.arc]]`"));
         }
         let feed_in_mm = within(&self.feed_in_mm, "feed_in_mm", bar.range_mm + 0.3, 0.0, 50.0)?;
-        if let Some(given) = self.feed_in_mm.as_ref().filter(|_| feed_in_mm <= bar.range_mm) {
+        let inside = feed_in_mm < bar.range_mm + ROUNDED_MM;
+        if let Some(given) = self.feed_in_mm.as_ref().filter(|_| inside) {
             return Err(Error::input(format!(
-                "a feed-in of {feed_in_mm} mm begins inside the bar's range of {} mm",
+                "a feed-in of {feed_in_mm} mm begins inside the bar's range of {} mm, or where rounding puts it there",
                 bar.range_mm
             ))
             .at(text.place(given.span()))

@@ -65,6 +65,7 @@ fn wrong_keys_and_values_in_a_test_file() {
         (plan.replace("500.0", "-500.0"), "`feed_mm_min` must lie between"),
         (format!("{plan}dwell_s = 0.0\n"), "`dwell_s` must lie between"),
         (format!("{plan}feed_in_mm = 0.5\n"), "begins inside the bar's range"),
+        (format!("{plan}feed_in_mm = 1.209\n"), "where rounding puts it there"),
         (format!("{plan}program_number = 9001\n"), "program number 9001"),
         (
             format!("{plan}[[plan.arc]]\nkind = \"meridian\"\npolar_deg = 3.0\n"),
