@@ -77,8 +77,12 @@ struct RawCurve {
 impl ModelFile {
     /// Reads and checks a model file.
     pub fn read(file: &Path) -> Result<Self> {
-        let source = toml_text::read(file)?;
-        let text = Text { source: &source, file };
+        Self::parse(&toml_text::read(file)?, file)
+    }
+
+    /// Checks the text of a model file; `file` is for messages.
+    pub fn parse(source: &str, file: &Path) -> Result<Self> {
+        let text = Text { source, file };
         let raw: RawModel = text.parse()?;
         let effects = raw
             .hide
