@@ -11,7 +11,7 @@ use crate::error::{Error, Place, Result};
 
 /// Reads a text file for [`Text`].
 pub(crate) fn read(file: &Path) -> Result<String> {
-    let bytes = crate::input::read(file, "file")?;
+    let bytes = crate::input::read_small(file, "file")?;
     String::from_utf8(bytes).map_err(|_| {
         Error::input("the file is not UTF-8 text")
             .at(Place::file(file))
@@ -48,23 +48,6 @@ impl Text<'_> {
         } else {
             Place::bytes(self.file, self.source, span)
         }
-    }
-
-    /// A number that must be positive and finite.
-    pub(crate) fn positive(&self, value: &Spanned<f64>, key: &str) -> Result<f64> {
-        let number = *value.get_ref();
-        if number.is_finite() && number > 0.0 {
-            return Ok(number);
-        }
-        Err(Error::input(format!("`{key}` must be a positive number, got `{}`", short(number)))
-            .at(self.place(value.span()))
-            .hint("give a number above 0, in the unit at the end of the key"))
-    }
-
-    /// A positive number that is no larger than a bound.
-    pub(crate) fn up_to(&self, value: &Spanned<f64>, key: &str, high: f64) -> Result<f64> {
-        let number = self.positive(value, key)?;
-        self.within(value, key, 0.0, high).map(|_| number)
     }
 
     /// A number within bounds.
@@ -164,7 +147,6 @@ mod tests {
         drop((wish.most, wish.names));
         if let Some(minutes) = &wish.minutes {
             text.within(minutes, "minutes", 0.0, 90.0)?;
-            text.positive(minutes, "minutes")?;
         }
         wish.place.map(|place| text.finite_vector(&place, "place")).transpose()?;
         Ok(())
@@ -182,8 +164,8 @@ mod tests {
             ("place = [1, 2, nan]", "between -100000 and 100000, got `NaN`"),
             ("place = [1, 2, 1e308]", "got `1e308`"),
             ("minutes = 1e308", "between 0 and 90, got `1e308`"),
+            ("minutes = nan", "between 0 and 90, got `NaN`"),
             ("minutes = -1", "got `-1`"),
-            ("minutes = 0", "a positive number, got `0`"),
         ] {
             let error = read(source).unwrap_err();
             assert!(error.what.ends_with(told), "{source}: {}", error.what);

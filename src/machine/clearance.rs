@@ -31,6 +31,8 @@ pub struct Clearance {
     pub support: Option<Cylinder>,
 }
 
+/// Sizes of a body behind a ball, mm: none is thinner than a tenth of a millimetre or larger than ten metres.
+const SIZES_MM: [f64; 2] = [0.1, 10_000.0];
 /// A step that brings two points nearer by less than this is the last, mm.
 const NEGLIGIBLE_MM: f64 = 1e-9;
 /// What is nearer than this touches, mm: there the projections gain less and less.
@@ -106,8 +108,9 @@ impl RawClearance {
             Ok(Cylinder {
                 start_mm: axis.into_inner() * from_ball_mm,
                 axis,
-                length_mm: text.positive(length_mm, "length_mm")?,
-                radius_mm: 0.5 * text.positive(diameter_mm, "diameter_mm")?,
+                length_mm: text.within(length_mm, "length_mm", SIZES_MM[0], SIZES_MM[1])?,
+                radius_mm: 0.5
+                    * text.within(diameter_mm, "diameter_mm", SIZES_MM[0], SIZES_MM[1])?,
             })
         };
         let behind_tool = |raw: &RawCylinder, from_ball_mm: f64| {

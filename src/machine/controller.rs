@@ -5,6 +5,7 @@ use std::ops::Range;
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::bounds::ACCELERATIONS_MM_S2;
 use crate::error::{Error, Result};
 use crate::toml_text::Text;
 
@@ -146,16 +147,20 @@ impl RawController {
             comment_characters: self.comment_characters,
             look_ahead_on: self.look_ahead_on.into_inner(),
             look_ahead_off: self.look_ahead_off.into_inner(),
-            path_acceleration_mm_s2: text
-                .positive(&self.path_acceleration_mm_s2, "path_acceleration_mm_s2")?,
+            path_acceleration_mm_s2: text.within(
+                &self.path_acceleration_mm_s2,
+                "path_acceleration_mm_s2",
+                ACCELERATIONS_MM_S2[0],
+                ACCELERATIONS_MM_S2[1],
+            )?,
             corner_stop_rad: corner_deg.to_radians(),
             corner_speed_step_mm_s: match &self.corner_speed_step_mm_min {
                 None => f64::INFINITY,
-                Some(step) => text.positive(step, "corner_speed_step_mm_min")? / 60.0,
+                Some(step) => text.within(step, "corner_speed_step_mm_min", 0.1, 1e6)? / 60.0,
             },
             corner_tolerance_mm: match &self.corner_tolerance_um {
                 None => f64::INFINITY,
-                Some(tolerance) => text.positive(tolerance, "corner_tolerance_um")? * 1e-3,
+                Some(tolerance) => text.within(tolerance, "corner_tolerance_um", 0.01, 1e5)? * 1e-3,
             },
             acceleration_change_s: text.within(
                 &self.acceleration_change_ms,
@@ -166,11 +171,16 @@ impl RawController {
             block_time_s: text.within(&self.block_time_ms, "block_time_ms", 0.0, 1000.0)? * 1e-3,
             memory_bytes: match &self.memory_kb {
                 None => None,
-                Some(memory) => Some((text.positive(memory, "memory_kb")? * 1024.0) as usize),
+                Some(memory) => {
+                    Some((text.within(memory, "memory_kb", 0.1, LARGEST_KB)? * 1024.0) as usize)
+                }
             },
         })
     }
 }
+
+/// A larger program is not read anyway, KB.
+const LARGEST_KB: f64 = 65_536.0;
 
 /// N numbers go to 99999 and then begin anew, which leaves a hundred of them different.
 const LARGEST_STEP: u32 = 1000;

@@ -7,13 +7,14 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::axis::Axis;
+use super::bounds::{ACCELERATIONS_MM_S2, PITCHES_MM, SPEEDS_MM_MIN};
 use super::clearance::Clearance;
 use super::clearance::RawClearance;
 use super::controller::{Controller, RawController};
 use super::plausible::{Plausible, RawPlausible};
 use super::topology::Topology;
 use crate::error::{Error, Place, Result};
-use crate::toml_text::{self, Text};
+use crate::toml_text::{self, FARTHEST_MM, Text, short};
 
 /// Where a slide turns when it has an angular error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
@@ -196,9 +197,11 @@ struct RawSlide {
 impl RawSlide {
     fn check(self, axis: Axis, text: &Text<'_>) -> Result<Slide> {
         let [low, high] = *self.travel_mm.get_ref();
-        if !(low.is_finite() && high.is_finite() && low < high) {
+        if !(-FARTHEST_MM <= low && low < high && high <= FARTHEST_MM) {
             return Err(Error::input(format!(
-                "travel of axis {axis} goes from {low} to {high} mm"
+                "travel of axis {axis} goes from {} to {} mm; it must go upwards and stay between -{FARTHEST_MM} and {FARTHEST_MM}",
+                short(low),
+                short(high)
             ))
             .at(text.place(self.travel_mm.span()))
             .hint(
@@ -213,22 +216,34 @@ impl RawSlide {
             None => (high - BELOW_THE_END_MM).max(low),
             Some(at) => text.within(at, "retract_mm", low, high)?,
         };
-        let no_limit_without = |value: &Option<Spanned<f64>>, key: &str| {
-            value.as_ref().map_or(Ok(f64::INFINITY), |value| text.positive(value, key))
+        let no_limit_without = |value: &Option<Spanned<f64>>, key: &str, [low, high]: [f64; 2]| {
+            value.as_ref().map_or(Ok(f64::INFINITY), |value| text.within(value, key, low, high))
         };
+        let [slowest, fastest] = SPEEDS_MM_MIN;
+        let [softest, hardest] = ACCELERATIONS_MM_S2;
         Ok(Slide {
             travel_mm: [low, high],
-            rapid_mm_s: text.positive(&self.rapid_mm_min, "rapid_mm_min")? / 60.0,
-            acceleration_mm_s2: text.positive(&self.acceleration_mm_s2, "acceleration_mm_s2")?,
-            max_feed_mm_s: no_limit_without(&self.max_feed_mm_min, "max_feed_mm_min")? / 60.0,
+            rapid_mm_s: text.within(&self.rapid_mm_min, "rapid_mm_min", slowest, fastest)? / 60.0,
+            acceleration_mm_s2: text.within(
+                &self.acceleration_mm_s2,
+                "acceleration_mm_s2",
+                softest,
+                hardest,
+            )?,
+            max_feed_mm_s: no_limit_without(
+                &self.max_feed_mm_min,
+                "max_feed_mm_min",
+                SPEEDS_MM_MIN,
+            )? / 60.0,
             feed_acceleration_mm_s2: no_limit_without(
                 &self.feed_acceleration_mm_s2,
                 "feed_acceleration_mm_s2",
+                ACCELERATIONS_MM_S2,
             )?,
             pivot: self.pivot,
             screw_pitch_mm: self
                 .screw_pitch_mm
-                .map(|pitch| text.positive(&pitch, "screw_pitch_mm"))
+                .map(|pitch| text.within(&pitch, "screw_pitch_mm", PITCHES_MM[0], PITCHES_MM[1]))
                 .transpose()?,
             retract_mm,
             location_mm: location,

@@ -12,6 +12,7 @@
 //! test), elasticity, temperature.
 
 mod axis;
+mod bounds;
 mod chain;
 mod clearance;
 mod controller;

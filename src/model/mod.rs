@@ -44,6 +44,7 @@ pub use key::{AMPLITUDE, DEGREE, Key, MOUNTING, Measure, ORDER, PHASE, RUN};
 pub use law::{Inner, Law, Over, Scale, Start};
 pub use local::{Local, LocalShape};
 pub use local_frame::{LocalFrame, LocalTerm};
+pub(crate) use model_file::LARGEST_ERROR;
 pub use model_file::ModelFile;
 pub use motion::{Corner, Motion, Reversal};
 pub use seat::{Seat, SeatKind};

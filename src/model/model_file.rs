@@ -27,11 +27,12 @@ use std::path::Path;
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::coefficient::{Coefficient, SetUp};
 use super::effect::Effect;
 use super::seat::Seat;
 use super::variable::{Empirical, Variable};
 use crate::error::{Error, Result};
-use crate::toml_text::{self, Text};
+use crate::toml_text::{self, Text, short};
 
 /// What a model file says.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -99,8 +100,12 @@ impl ModelFile {
             .collect::<Result<_>>()?;
         Ok(Self {
             terms: raw.terms,
-            coefficients: finite(raw.coefficients, &text)?,
-            set_up: finite(raw.set_up, &text)?,
+            coefficients: named(
+                raw.coefficients,
+                |name| Coefficient::parse(name).is_some(),
+                &text,
+            )?,
+            set_up: named(raw.set_up, |name| SetUp::parse(name).is_some(), &text)?,
             effects,
             curves,
         })
@@ -111,8 +116,11 @@ impl ModelFile {
         let mut text = String::from(
             "# The model with what a diagnosis has found: `--model` of simulate, identify, analyse, diagnose, plan.\n",
         );
-        let terms: Vec<String> = self.terms.iter().map(|term| format!("{term:?}")).collect();
-        let _ = writeln!(text, "terms = [\n    {},\n]", terms.join(",\n    "));
+        let _ = writeln!(text, "terms = [");
+        for term in &self.terms {
+            let _ = writeln!(text, "    {},", toml::Value::from(term.as_str()));
+        }
+        let _ = writeln!(text, "]");
         for (head, values) in
             [("[coefficients]  # mm, rad", &self.coefficients), ("[set_up]  # mm", &self.set_up)]
         {
@@ -170,12 +178,25 @@ fn effect(table: &toml::Table) -> Result<Effect> {
 }
 
 /// No machine is so far off, mm or rad.
-const LARGEST: f64 = 1e3;
+pub(crate) const LARGEST_ERROR: f64 = 1e3;
+/// So large may what a curve runs over be, in the unit of its knots: the longest time constant in seconds.
+const LARGEST_KNOT: f64 = 1e7;
+/// A diagnosis describes a curve with some ten.
+const MOST_KNOTS: usize = 1000;
 
-/// Numbers by name, each of which a machine could have.
-fn finite(raw: BTreeMap<String, Spanned<f64>>, text: &Text<'_>) -> Result<Vec<(String, f64)>> {
+/// Numbers by names that are known, each of which a machine could have.
+fn named(
+    raw: BTreeMap<String, Spanned<f64>>,
+    known: impl Fn(&str) -> bool,
+    text: &Text<'_>,
+) -> Result<Vec<(String, f64)>> {
     let checked = |(name, value): (String, Spanned<f64>)| {
-        text.within(&value, &name, -LARGEST, LARGEST).map(|value| (name, value))
+        if !known(&name) {
+            return Err(Error::input(format!("unknown name `{}`", name.escape_debug()))
+                .at(text.place(value.span()))
+                .hint("take the file as `ballbar diagnose` has written it"));
+        }
+        text.within(&value, &name, -LARGEST_ERROR, LARGEST_ERROR).map(|value| (name, value))
     };
     raw.into_iter().map(checked).collect()
 }
@@ -189,11 +210,23 @@ fn check_curve(raw: RawCurve) -> Result<(Empirical, Vec<f64>)> {
     let variable = Variable::parse(&raw.over)
         .ok_or_else(|| refuse(format!("a curve cannot run over `{}`", raw.over)))?;
     let ascending = raw.knots.windows(2).all(|pair| pair[0] < pair[1]);
-    let finite = raw.knots.iter().chain(&raw.values).all(|value| value.is_finite());
-    if raw.knots.len() < 2 || raw.values.len() != raw.knots.len() || !ascending || !finite {
+    if raw.knots.len() < 2 || raw.values.len() != raw.knots.len() || !ascending {
         return Err(refuse(
             "a curve needs ascending `knots`, two at the least, and a value for each".into(),
         ));
+    }
+    if raw.knots.len() > MOST_KNOTS {
+        return Err(refuse(format!("a curve has {MOST_KNOTS} knots at the most")));
+    }
+    for (key, numbers, largest) in
+        [("knots", &raw.knots, LARGEST_KNOT), ("values", &raw.values, LARGEST_ERROR)]
+    {
+        if let Some(far) = numbers.iter().find(|number| !(-largest..=largest).contains(*number)) {
+            let got = short(*far);
+            return Err(refuse(format!(
+                "`{key}` of a curve must lie between -{largest} and {largest}, got `{got}`"
+            )));
+        }
     }
     let curve = Empirical { seat, variable, with_sense: raw.by_direction, knots: raw.knots };
     Ok((curve, raw.values))
@@ -203,6 +236,39 @@ fn check_curve(raw: RawCurve) -> Result<(Empirical, Vec<f64>)> {
 mod tests {
     use super::*;
     use crate::machine::Axis;
+
+    #[test]
+    fn what_no_machine_has_is_refused_with_its_place() {
+        let begin = "terms = [\"EXX1\"]\n";
+        let curve = "[[curve]]\non = \"EXX\"\nover = \"position of X\"\n";
+        for (rest, told) in [
+            ("[coefficients]\nEXX9 = 1e-6", "unknown name `EXX9`"),
+            ("[coefficients]\nEXt = 1e-6", "unknown name `EXt`"),
+            ("[set_up]\nEXX1 = 1e-6", "unknown name `EXX1`"),
+            ("[set_up]\nEXt = 1e300", "`EXt` must lie between -1000 and 1000, got `1e300`"),
+            (
+                &format!("{curve}knots = [0, 1e300]\nvalues = [0, 1]"),
+                "`knots` of a curve must lie between -10000000 and 10000000, got `1e300`",
+            ),
+            (
+                &format!("{curve}knots = [0, 1]\nvalues = [0, nan]"),
+                "`values` of a curve must lie between -1000 and 1000, got `NaN`",
+            ),
+        ] {
+            let error = ModelFile::parse(&format!("{begin}{rest}"), "m.toml".as_ref()).unwrap_err();
+            assert_eq!(error.what, told);
+            assert!(error.hint.is_some() && error.place.is_some_and(|place| place.line > 1));
+        }
+    }
+
+    #[test]
+    fn terms_of_any_characters_and_none_read_back() {
+        let none = ModelFile::default();
+        assert_eq!(ModelFile::parse(&none.to_toml(), "m.toml".as_ref()).unwrap(), none);
+        let model =
+            ModelFile { terms: vec!["a\u{202e}\u{1b}\"\\b".into()], ..ModelFile::default() };
+        assert_eq!(ModelFile::parse(&model.to_toml(), "m.toml".as_ref()).unwrap(), model);
+    }
 
     #[test]
     fn a_model_file_reads_back() {

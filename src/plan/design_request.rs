@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
+use super::raw_mounting::{LENGTHS_MM, check_length};
 use crate::error::{Error, Result};
 use crate::model::{self, COMPLETE, SetUp};
 use crate::toml_text::{FARTHEST_MM, Text};
@@ -107,13 +108,9 @@ impl RawDesign {
             }
         };
         let bar = |length: &Spanned<f64>| {
-            let length_mm = text.positive(length, "bar_lengths_mm")?;
-            if length_mm > range_mm {
-                return Ok(length_mm);
-            }
-            Err(Error::input(format!("a bar of {length_mm} mm is shorter than its own range"))
-                .at(text.place(length.span()))
-                .hint("give the nominal lengths between the centres of the balls"))
+            let [shortest, longest] = LENGTHS_MM;
+            let length_mm = text.within(length, "bar_lengths_mm", shortest, longest)?;
+            check_length(length_mm, range_mm, text.place(length.span())).map(|()| length_mm)
         };
         let volume_mm = match self.volume_mm {
             None => None,
@@ -204,7 +201,8 @@ mod tests {
             ("volume_mm = [[-1e308, 1e308], [0, 1], [0, 1]]", "from low to high"),
             ("volume_mm = [[nan, 1], [0, 1], [0, 1]]", "from low to high"),
             ("tool_balls_mm = [[1e308, 0, 0]]", "got `1e308`"),
-            ("bar_lengths_mm = [1.0]", "shorter than its own range"),
+            ("bar_lengths_mm = [1.0]", "`bar_lengths_mm` must lie between 5 and 3000"),
+            ("bar_lengths_mm = [1e300]", "`bar_lengths_mm` must lie between 5 and 3000"),
             ("most_mountings = 9", "9 mountings"),
             ("step_deg = nan", "between 5 and 90"),
         ] {

@@ -24,6 +24,7 @@ pub use design_request::{Criterion, DesignRequest, Places};
 pub use operator::Operator;
 pub use parts::{BallBar, Estimation, NamedMounting, PathPlan, Run};
 pub use path::Path;
+pub(crate) use raw::CORRELATIONS_S;
 pub use step::Step;
 pub use strategy::Strategy;
 pub use test_file::Test;

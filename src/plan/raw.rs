@@ -12,7 +12,7 @@ use super::log_format::{
 use super::operator::RawOperator;
 use super::parts::{BallBar, Estimation, FreeArc, NamedMounting, PathPlan, Run};
 use super::raw_arc::RawArc;
-use super::raw_mounting::{LONGEST_MM, RawMounting, check_length, mounting_index};
+use super::raw_mounting::{LENGTHS_MM, RawMounting, check_length, mounting_index};
 use super::strategy::Strategy;
 use crate::error::{Error, Result};
 use crate::model;
@@ -53,6 +53,16 @@ pub(super) struct RawBallBar {
 /// Bounds of a sample rate, Hz: the times of a log with four decimals still tell 5000 a second apart.
 const SLOWEST_HZ: f64 = 0.01;
 const FASTEST_HZ: f64 = 5000.0;
+/// How far a bar reads either way, mm: no log with more is read.
+const RANGES_MM: [f64; 2] = [0.01, 10.0];
+/// Noise of a reading, um: from a tenth of a nanometre, which nothing reads, to a millimetre, which is no measurement.
+const NOISES_UM: [f64; 2] = [1e-4, 1e3];
+/// Smallest steps of a reading, um, on either side of what can be told from the noise.
+const STEPS_UM: [f64; 2] = [1e-6, 1e3];
+/// How long noise lasts, s: from less than two readings at the highest rate are apart to longer than a shift.
+pub(crate) const CORRELATIONS_S: [f64; 2] = [1e-4, 1e5];
+/// How far two clocks may be apart, parts per million: from a good oven to 1 %, where it is another feed.
+const CLOCKS_PPM: [f64; 2] = [1e-3, 1e4];
 
 /// A point of a program with two decimals is off by no more, mm: half of the last decimal in three axes is 8.7 um.
 const ROUNDED_MM: f64 = 0.0099;
@@ -60,13 +70,13 @@ const ROUNDED_MM: f64 = 0.0099;
 impl RawBallBar {
     pub(super) fn check(self, log: &RawLog, text: &Text<'_>) -> Result<BallBar> {
         // Defaults: a QC20-W reads a little over 1 mm either way in steps of 0.1 um.
-        let or = |value: Option<Spanned<f64>>, key: &str, default: f64| {
-            value.map_or(Ok(default), |value| text.positive(&value, key))
+        let or = |value: Option<Spanned<f64>>, key: &str, default: f64, [low, high]: [f64; 2]| {
+            value.map_or(Ok(default), |value| text.within(&value, key, low, high))
         };
-        let length_mm = text.up_to(&self.length_mm, "length_mm", LONGEST_MM)?;
-        let range_mm = or(self.range_mm, "range_mm", 1.2)?;
+        let length_mm = text.within(&self.length_mm, "length_mm", LENGTHS_MM[0], LENGTHS_MM[1])?;
+        let range_mm = or(self.range_mm, "range_mm", 1.2, RANGES_MM)?;
         check_length(length_mm, range_mm, text.place(self.length_mm.span()))?;
-        let noise_mm = or(self.noise_um, "noise_um", 0.15)? * 1e-3;
+        let noise_mm = or(self.noise_um, "noise_um", 0.15, NOISES_UM)? * 1e-3;
         let correlated_mm = match &self.correlated_um {
             None => 0.0,
             Some(given) => text.within(given, "correlated_um", 0.0, noise_mm * 1e3)? * 1e-3,
@@ -74,15 +84,15 @@ impl RawBallBar {
         Ok(BallBar {
             length_mm,
             range_mm,
-            resolution_mm: or(self.resolution_um, "resolution_um", 0.1)? * 1e-3,
+            resolution_mm: or(self.resolution_um, "resolution_um", 0.1, STEPS_UM)? * 1e-3,
             noise_mm,
             correlated_mm,
-            correlation_s: or(self.correlation_s, "correlation_s", 0.3)?,
+            correlation_s: or(self.correlation_s, "correlation_s", 0.3, CORRELATIONS_S)?,
             sample_rate_hz: match &log.sample_rate_hz {
                 Some(rate) => text.within(rate, "sample_rate_hz", SLOWEST_HZ, FASTEST_HZ)?,
                 None => 10.0,
             },
-            clock_tolerance: or(self.clock_ppm, "clock_ppm", 100.0)? * 1e-6,
+            clock_tolerance: or(self.clock_ppm, "clock_ppm", 100.0, CLOCKS_PPM)? * 1e-6,
         })
     }
 }

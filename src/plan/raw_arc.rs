@@ -37,6 +37,9 @@ pub(super) struct RawArc {
     mountings: Option<Spanned<Vec<Spanned<String>>>>,
 }
 
+/// Largest component of a direction: only its sense counts.
+const LARGEST_COMPONENT: f64 = 1e6;
+
 impl RawArc {
     /// Checks the free arc of an index; `span` is its table in the file.
     pub(super) fn check(
@@ -95,11 +98,13 @@ impl RawArc {
             }
             RawArcKind::Circle => {
                 let unit = |v: Option<[f64; 3]>| -> Option<UnitVector3<f64>> {
-                    Unit::try_new(Vector3::from(v?), 1e-6)
+                    // The square of what is larger might not be a number.
+                    let v = v.filter(|v| v.iter().all(|x| x.abs() <= LARGEST_COMPONENT))?;
+                    Unit::try_new(Vector3::from(v), 1e-6)
                 };
                 let (Some(start), Some(normal)) = (unit(self.start), unit(self.normal)) else {
                     return wrong(
-                        "`start` and `normal` must be vectors that are not zero",
+                        "`start` and `normal` must be vectors that are not zero, with components from -1000000 to 1000000",
                         "`start` points from the workpiece ball to the first point, `normal` is the axis that the arc turns about",
                     );
                 };

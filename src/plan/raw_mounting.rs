@@ -8,10 +8,10 @@ use crate::error::{Error, Place, Result};
 use crate::machine::Mounting;
 use crate::toml_text::Text;
 
-/// A bar is longer than what it reads either way.
-/// Twice the longest ball-bar that is sold, with all its extensions, mm.
-pub(super) const LONGEST_MM: f64 = 3000.0;
+/// Nominal lengths of bars, mm: a tenth of the shortest that is sold, and twice the longest with all its extensions.
+pub(super) const LENGTHS_MM: [f64; 2] = [5.0, 3000.0];
 
+/// A bar is longer than what it reads either way.
 pub(super) fn check_length(length_mm: f64, range_mm: f64, place: Place) -> Result<()> {
     if length_mm > range_mm {
         return Ok(());
@@ -62,7 +62,8 @@ pub(super) fn check_mountings(
         let bar_length_mm = match &entry.bar_length_mm {
             None => bar.length_mm,
             Some(length) => {
-                let length_mm = text.up_to(length, "bar_length_mm", LONGEST_MM)?;
+                let length_mm =
+                    text.within(length, "bar_length_mm", LENGTHS_MM[0], LENGTHS_MM[1])?;
                 check_length(length_mm, bar.range_mm, text.place(length.span()))?;
                 length_mm
             }

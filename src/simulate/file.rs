@@ -48,7 +48,8 @@ use super::control::Control;
 use super::noise::Noise;
 use super::scenario::{Coincidence, Dropouts, Pauses, Scenario};
 use crate::error::{Error, Place, Result};
-use crate::model::{Coefficient, Effect, ErrorFunctions, SetUp};
+use crate::model::{Coefficient, Effect, ErrorFunctions, LARGEST_ERROR, SetUp};
+use crate::plan::CORRELATIONS_S;
 use crate::toml_text::{self, Text};
 
 /// Four decimals of time still tell the samples of this rate apart.
@@ -167,7 +168,7 @@ impl RawScenario {
             scenario.has_errors = true;
             for (name, value) in values {
                 let coefficient = known(name, text, Coefficient::parse, Coefficient::all())?;
-                scenario.errors.set(coefficient, finite(value, name.get_ref(), text)?);
+                scenario.errors.set(coefficient, plausible(value, name.get_ref(), text)?);
             }
         }
         if let Some(values) = &self.set_up {
@@ -177,7 +178,7 @@ impl RawScenario {
             }
             for (name, value) in values {
                 let set_up = known(name, text, SetUp::parse, SetUp::all())?;
-                scenario.set_set_up(set_up, finite(value, name.get_ref(), text)?);
+                scenario.set_set_up(set_up, plausible(value, name.get_ref(), text)?);
             }
         }
         scenario.coincidence = self.coincidence;
@@ -270,7 +271,9 @@ impl RawNoise {
             white_mm: um(&self.white_um, "white_um", default.white_mm)?,
             correlated_mm: um(&self.correlated_um, "correlated_um", default.correlated_mm)?,
             correlation_s: match &self.correlation_s {
-                Some(value) => text.positive(value, "correlation_s")?,
+                Some(value) => {
+                    text.within(value, "correlation_s", CORRELATIONS_S[0], CORRELATIONS_S[1])?
+                }
                 None => default.correlation_s,
             },
         })
@@ -338,13 +341,9 @@ impl RawPauses {
     }
 }
 
-/// A finite number.
-fn finite(value: &Spanned<f64>, name: &str, text: &Text<'_>) -> Result<f64> {
-    let number = *value.get_ref();
-    if number.is_finite() {
-        return Ok(number);
-    }
-    Err(Error::input(format!("`{name}` must be a finite number")).at(text.place(value.span())))
+/// A coefficient or set-up error that a machine could have.
+fn plausible(value: &Spanned<f64>, name: &str, text: &Text<'_>) -> Result<f64> {
+    text.within(value, name, -LARGEST_ERROR, LARGEST_ERROR)
 }
 
 /// The coefficient or set-up error of a key.

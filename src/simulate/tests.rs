@@ -311,7 +311,7 @@ fn a_scenario_file_is_checked() {
         ("[coefficients]\nEXt = 1.0\n", 2, "[set_up]"),
         ("[set_up]\nEXX1 = 1.0\n", 2, "[coefficients]"),
         ("[set_up]\nEAt = 1.0\n", 2, "`EXw`, `EYw`"),
-        ("[coefficients]\nEXX1 = nan\n", 2, "finite"),
+        ("[coefficients]\nEXX1 = nan\n", 2, "between -1000 and 1000"),
         ("[noise]\nwhite_mm = 1.0\n", 2, "write `white_um`"),
         ("[noise]\nwhite_um = -1.0\n", 2, "between 0 and 1000"),
         ("seed = 1\nnoise_um = 1.0\n", 2, "unknown field `noise_um`"),

@@ -33,13 +33,36 @@ fn impossible_values_in_a_machine_file() {
             "travel_mm = [280.0, -280.0]",
             "travel of axis X goes from 280 to -280 mm",
         ),
+        (
+            "travel_mm = [-280.0, 280.0]",
+            "travel_mm = [-1e300, 280.0]",
+            "travel of axis X goes from -1e300 to 280 mm",
+        ),
+        ("rapid_mm_min = 15000.0", "rapid_mm_min = 1e-300", "got `1e-300`"),
+        ("acceleration_mm_s2 = 500.0", "acceleration_mm_s2 = 1e300", "between 1 and 1000000"),
+        ("screw_pitch_mm = 10.0", "screw_pitch_mm = 1e-9", "between 0.1 and 1000"),
+        ("screw_pitch_mm = 10.0", "max_feed_mm_min = 0.5", "between 1 and 1000000"),
+        ("screw_pitch_mm = 10.0", "feed_acceleration_mm_s2 = inf", "between 1 and 1000000"),
+        ("path_acceleration_mm_s2 = 500.0", "path_acceleration_mm_s2 = 0.0", "between 1 and"),
+        ("decimals = 3", "corner_speed_step_mm_min = 0.0", "between 0.1 and 1000000"),
+        ("decimals = 3", "corner_tolerance_um = 1e-9", "between 0.01 and 100000"),
+        ("decimals = 3", "memory_kb = 1e300", "between 0.1 and 65536"),
+        ("length_mm = 120.0", "length_mm = 1e6", "between 0.1 and 10000"),
         ("topology = \"wCBXFZYSt\"", "topology = \"wCBXFZXSt\"", "names `X` more than once"),
-        ("rapid_mm_min = 15000.0", "rapid_mm_min = -1.0", "must be a positive number, got `-1`"),
-        ("rapid_mm_min = 15000.0", "rapid_mm_min = nan", "must be a positive number, got `NaN`"),
+        (
+            "rapid_mm_min = 15000.0",
+            "rapid_mm_min = -1.0",
+            "must lie between 1 and 1000000, got `-1`",
+        ),
+        (
+            "rapid_mm_min = 15000.0",
+            "rapid_mm_min = nan",
+            "must lie between 1 and 1000000, got `NaN`",
+        ),
         ("pivot = \"carriage\"", "pivot = \"table\"", "unknown variant `table`"),
         ("decimals = 3", "decimals = 17", "cannot have 17 decimals"),
         ("direction = \"-Z\"", "direction = \"up\"", "`up` is not a direction"),
-        ("diameter_mm = 20.0", "diameter_mm = 0.0", "`diameter_mm` must be a positive number"),
+        ("diameter_mm = 20.0", "diameter_mm = 0.0", "`diameter_mm` must lie between 0.1 and 10000"),
         ("dialect = \"fanuc\"", "dialect = \"sinumerik\"", "unknown dialect `sinumerik`"),
         (
             "look_ahead_on = \"\"",
@@ -67,6 +90,12 @@ fn wrong_keys_and_values_in_a_test_file() {
         (format!("{plan}feed_in_mm = 0.5\n"), "begins inside the bar's range"),
         (format!("{plan}feed_in_mm = 1.209\n"), "where rounding puts it there"),
         (format!("{plan}program_number = 9001\n"), "program number 9001"),
+        (
+            format!(
+                "{plan}[[plan.arc]]\nkind = \"circle\"\nstart = [1e300, 0, 0]\nnormal = [0, 0, 1]\n"
+            ),
+            "must be vectors that are not zero",
+        ),
         (
             format!("{plan}[[plan.arc]]\nkind = \"meridian\"\npolar_deg = 3.0\n"),
             "does not belong to this kind of arc",
