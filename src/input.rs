@@ -1,5 +1,6 @@
 //! Files on their way in: plain or gzipped, whole or an error.
 
+use std::borrow::Cow;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
 
@@ -11,8 +12,28 @@ const LARGEST_BYTES: u64 = 1 << 28;
 /// The content of a file, unpacked if it is gzipped; `what` names it in messages, such as "log".
 pub(crate) fn read(file: &Path, what: &str) -> Result<Vec<u8>> {
     let bytes = whole(file, what)?;
-    inflate(bytes, file, what)
+    // What is plain is not copied.
+    let plain = match unpacked(&bytes, file, what)? {
+        Cow::Owned(plain) => Some(plain),
+        Cow::Borrowed(_) => None,
+    };
+    Ok(plain.unwrap_or(bytes))
 }
+
+/// The content of a TOML file. It is small: ten thousand arcs have a megabyte, and what is read takes a hundred times
+/// its size.
+pub(crate) fn read_small(file: &Path, what: &str) -> Result<Vec<u8>> {
+    let bytes = read(file, what)?;
+    if bytes.len() > LARGEST_SMALL_BYTES {
+        return Err(Error::input(format!("the {what} has more than 4 MiB"))
+            .at(Place::file(file))
+            .hint("this is no machine, test, scenario or model file"));
+    }
+    Ok(bytes)
+}
+
+/// Largest TOML file.
+const LARGEST_SMALL_BYTES: usize = 4 << 20;
 
 /// The bytes of a file that ends.
 fn whole(file: &Path, what: &str) -> Result<Vec<u8>> {
@@ -49,12 +70,12 @@ fn whole(file: &Path, what: &str) -> Result<Vec<u8>> {
 }
 
 /// Unpacks gzip, which is known by its first two bytes: instruments and mail programs rename files.
-pub(crate) fn inflate(bytes: Vec<u8>, file: &Path, what: &str) -> Result<Vec<u8>> {
+pub(crate) fn unpacked<'a>(bytes: &'a [u8], file: &Path, what: &str) -> Result<Cow<'a, [u8]>> {
     if !bytes.starts_with(&[0x1f, 0x8b]) {
-        return Ok(bytes);
+        return Ok(Cow::Borrowed(bytes));
     }
     let mut plain = Vec::new();
-    let mut unpacked = flate2::read::MultiGzDecoder::new(bytes.as_slice()).take(LARGEST_BYTES + 1);
+    let mut unpacked = flate2::read::MultiGzDecoder::new(bytes).take(LARGEST_BYTES + 1);
     let refused = |text: String| {
         Err(Error::input(text)
             .at(Place::file(file))
@@ -64,7 +85,7 @@ pub(crate) fn inflate(bytes: Vec<u8>, file: &Path, what: &str) -> Result<Vec<u8>
         Ok(_) if plain.len() as u64 > LARGEST_BYTES => {
             refused(format!("the gzipped {what} unpacks to more than 256 MiB"))
         }
-        Ok(_) => Ok(plain),
+        Ok(_) => Ok(Cow::Owned(plain)),
         Err(error) if error.kind() == ErrorKind::UnexpectedEof => {
             refused(format!("the gzipped {what} is truncated"))
         }

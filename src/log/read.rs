@@ -15,6 +15,11 @@ use crate::plan::log_format::{
 const LARGEST_DEVIATION_MM: f64 = 10.0;
 /// Rates outside are slips of the pen, and inside `k / hz` is finite and increases for any `k`.
 const RATES_HZ: std::ops::RangeInclusive<f64> = 1e-3..=1e6;
+/// Readings of a log: more than half an hour at 2000 a second, or a night at 100; what is made of them takes a hundred
+/// times their memory.
+const MOST_READINGS: usize = 4_000_000;
+/// No clock has gone for longer, s: three hundred years, whichever day its times count from.
+const LATEST_S: f64 = 1e10;
 /// So many columns are listed in a message.
 const LISTED: usize = 20;
 
@@ -32,15 +37,17 @@ const EXPORT: &str = "a log is text in UTF-8, plain or gzipped: export it as CSV
 
 /// Reads a log.
 pub fn read(file: &Path, format: &Format) -> Result<Log> {
-    let bytes = input::read(file, "log")?;
-    read_bytes(&bytes, file, format)
+    read_plain(&input::read(file, "log")?, file, format)
 }
 
 /// Reads a log from the content of a file; `file` is only named in messages and in the log.
 pub fn read_bytes(bytes: &[u8], file: &Path, format: &Format) -> Result<Log> {
+    read_plain(&input::unpacked(bytes, file, "log")?, file, format)
+}
+
+fn read_plain(bytes: &[u8], file: &Path, format: &Format) -> Result<Log> {
     check_format(format)?;
-    let bytes = input::inflate(bytes.to_vec(), file, "log")?;
-    let text = as_text(&bytes, file)?;
+    let text = as_text(bytes, file)?;
     let mut lines = (1..).zip(text.lines()).map(|(number, text)| Line { number, text });
 
     let header = lines.find(|line| !line.is_comment() && !line.is_blank()).ok_or_else(|| {
@@ -203,6 +210,14 @@ impl<'a> Table<'a> {
                     let time_s = numbers
                         .parse(written, |value| unit.to_s(value))
                         .map_err(|fault| fail(fault.what).hint(fault.hint.unwrap_or(PLAIN_TIME)))?;
+                    if time_s.abs() > LATEST_S {
+                        return Err(fail(format!(
+                            "time {} {} is more than {LATEST_S} s",
+                            quote(written),
+                            unit.name()
+                        ))
+                        .hint("is `time_unit` right, and is this the column of the times?"));
+                    }
                     if let Some(last) = readings.last().filter(|last| time_s <= last.time_s) {
                         let verb =
                             if time_s < last.time_s { "goes back behind" } else { "repeats" };
@@ -217,6 +232,15 @@ impl<'a> Table<'a> {
                     time_s
                 }
             };
+            if readings.len() == MOST_READINGS {
+                return Err(line
+                    .error(
+                        self.file,
+                        &(0..0),
+                        format!("the log has more than {MOST_READINGS} readings"),
+                    )
+                    .hint("export fewer readings a second, or only the time of the program"));
+            }
             let deviation_mm = self.deviation_mm(line, &fields[self.reading], &mut numbers)?;
             readings.push(Reading { time_s, deviation_mm, line: line.number });
         }
