@@ -83,9 +83,7 @@ impl<'a> Listing<'a> {
         if source.len() > LARGEST_BYTES {
             return Err(Error::input("the program has more than 64 MiB")
                 .at(Place::file(file))
-                .hint(
-                    "this is no program of a ball-bar test: two million chords have half of it",
-                ));
+                .hint("this is no program of a ball-bar test: a million chords have half of it"));
         }
         let mut listing = Self {
             file,

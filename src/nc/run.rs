@@ -12,8 +12,12 @@ use crate::machine::Dialect;
 
 /// A program that runs more blocks than this repeats itself without bound.
 pub(crate) const MOST_BLOCKS: usize = 20_000_000;
-/// More steps than this are kept of no program: at a thousand a second half an hour, and some 300 MB.
-const MOST_STEPS: usize = 2_000_000;
+/// More steps than this are kept of no program: at a thousand a second a quarter of an hour. With their times they take
+/// less than 1 GB.
+const MOST_STEPS: usize = 1_000_000;
+
+/// Longest dwell, s: eight digits of milliseconds are all that a control of this kind takes.
+const LONGEST_DWELL_S: f64 = 99_999.999;
 
 /// Calls within calls that the control allows.
 const DEEPEST_CALL: usize = 4;
@@ -342,17 +346,18 @@ fn dwell(command: &Command, word: &Word, dialect: Dialect) -> std::result::Resul
     if time.value < 0.0 {
         return Err(Fault::word(time, "the time of a dwell is negative").hint(hint));
     }
-    if dialect == Dialect::LinuxCnc {
-        return Ok(time.value);
-    }
-    if !time.point {
-        return Ok(time.value / 1e3);
-    }
-    if time.letter == b'P' {
+    if dialect == Dialect::Fanuc && time.point && time.letter == b'P' {
         return Err(Fault::word(time, "the time of a dwell by P has a decimal point")
             .hint("P counts whole milliseconds; write X or U for seconds: G04 X2.0"));
     }
-    Ok(time.value)
+    let counts_s = dialect == Dialect::LinuxCnc || time.point;
+    let seconds = if counts_s { time.value } else { time.value / 1e3 };
+    if seconds > LONGEST_DWELL_S {
+        return Err(
+            Fault::word(time, format!("a dwell lasts {LONGEST_DWELL_S} s at the most")).hint(hint)
+        );
+    }
+    Ok(seconds)
 }
 
 /// A block that switches the look-ahead.

@@ -89,6 +89,14 @@ fn a_block_that_cannot_be_taken_apart_is_shown_with_its_character() {
 }
 
 #[test]
+fn a_dwell_has_a_longest_time() {
+    refuse_blocks(&[
+        ("G04 X100000.", 5, "99999.999 s at the most"),
+        ("G04 P999999999999", 5, "99999.999 s at the most"),
+    ]);
+}
+
+#[test]
 fn contradictions_within_a_block_are_refused() {
     refuse_blocks(&[
         ("G00 G01 X1.", 5, "already sets the kind of motion"),
