@@ -48,6 +48,13 @@ struct RawNoise {
     autoregressive: Vec<f64>,
 }
 
+/// Largest innovation of the noise, um: a bar that reads with more measures nothing.
+const LARGEST_NOISE_UM: f64 = 1e4;
+/// Most coefficients of the noise; an analysis has some ten.
+const MOST_COEFFICIENTS: usize = 1000;
+/// Largest of them: those of a stationary process are no larger than its binomials, and 20 of them have less.
+const LARGEST_COEFFICIENT: f64 = 1e6;
+
 impl Measured {
     /// Reads an `analysis.json` and the test file that it names.
     ///
@@ -77,6 +84,16 @@ impl Measured {
         let mut variances = Vec::new();
         for repeat in &analysis.repeats {
             let noise = &repeat.noise;
+            let possible = (0.0..=LARGEST_NOISE_UM).contains(&noise.innovation_um)
+                && noise.autoregressive.len() <= MOST_COEFFICIENTS
+                && noise.autoregressive.iter().all(|phi| phi.abs() <= LARGEST_COEFFICIENT);
+            if !possible {
+                return Err(Error::input(format!(
+                    "the noise of a repeat must have an `innovation_um` from 0 to {LARGEST_NOISE_UM} and at most {MOST_COEFFICIENTS} `autoregressive` coefficients from -{LARGEST_COEFFICIENT} to {LARGEST_COEFFICIENT}"
+                ))
+                .at(Place::file(file))
+                .hint("analyse the test again"));
+            }
             let model = NoiseModel::autoregressive(
                 noise.autoregressive.clone(),
                 noise.innovation_um * 1e-3,
