@@ -18,6 +18,9 @@ const TIME_STEPS_PER_S: f64 = 1e4;
 /// Readings of one run: more than half an hour at 2000 a second, and some 1 GB.
 const MOST_SAMPLES: f64 = 4e6;
 
+/// Slides that follow with a lag are worked out every millisecond: five hours take half a GB.
+const LONGEST_FOLLOWED_S: f64 = 20_000.0;
+
 /// What was true when a reading was taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TruePoint {
@@ -91,6 +94,13 @@ pub fn run(
     let mut instrument =
         Instrument::new(scenario, Reads { range_mm, resolution_mm }, sample_rate_hz.recip());
 
+    let followed_s = clock.end_s();
+    if scenario.control.following_s.iter().any(|s| *s > 0.0) && followed_s > LONGEST_FOLLOWED_S {
+        return Err(Error::input(format!(
+            "slides that follow with a lag are followed for {LONGEST_FOLLOWED_S} s at the most, and this run takes {followed_s:.0} s"
+        ))
+        .hint("shorter pauses, a larger `feed_mm_min` or fewer arcs make it shorter; or leave `following_ms` out"));
+    }
     let drive = Drive::new(trajectory, clock, &scenario.control.following_s);
     let last_s = drive.clock.end_log_s() + scenario.after_s;
     let samples = (last_s * sample_rate_hz).floor().max(0.0);
