@@ -79,6 +79,61 @@ fn numbers_have_bounds() {
 }
 
 #[test]
+fn numbers_of_the_bar_have_bounds() {
+    for (key, value, told) in [
+        ("range_mm", "1e-9", "between 0.01 and 10, got `1e-9`"),
+        ("range_mm", "11.0", "between 0.01 and 10, got `11`"),
+        ("noise_um", "1e-300", "between 0.0001 and 1000, got `1e-300`"),
+        ("noise_um", "1e300", "between 0.0001 and 1000, got `1e300`"),
+        ("resolution_um", "0.0", "between 0.000001 and 1000, got `0`"),
+        ("correlation_s", "inf", "between 0.0001 and 100000, got `inf`"),
+        ("clock_ppm", "1e300", "between 0.001 and 10000, got `1e300`"),
+        ("length_mm", "1e-9", "between 5 and 3000, got `1e-9`"),
+    ] {
+        let work = Work::new();
+        work.machine("name", "name").test(PLAN);
+        let test = std::fs::read_to_string(work.path("test.toml")).unwrap();
+        let test = match key {
+            "length_mm" => test.replacen("length_mm = 150.0", &format!("{key} = {value}"), 1),
+            _ => test.replacen("[ball_bar]", &format!("[ball_bar]\n{key} = {value}"), 1),
+        };
+        work.write("test.toml", test);
+        let refused = work.ballbar(&["plan", "test.toml"]);
+        assert_eq!(refused.code(), 1, "{key} = {value}: {}", refused.stderr());
+        let told = format!("`{key}` must lie {told}");
+        assert!(refused.stderr().contains(&told), "{told}: {}", refused.stderr());
+    }
+}
+
+/// A column of line ends is a reading each, and packed it is a thousand times smaller.
+#[test]
+fn a_log_of_too_many_readings_is_refused() {
+    let work = Work::new();
+    work.machine("name", "name").test(&format!(
+        "{PLAN}[log]\nsample_rate_hz = 1000.0\n[[run]]\nprogram = \"O1.nc\"\nlog = \"run.csv\"\n"
+    ));
+    work.write("O1.nc", "O1\nM30\n");
+    work.write("run.csv", "deviation_um\n1\n".to_owned() + &"\n".repeat(4_000_000));
+    let refused = work.ballbar(&["align", "test.toml"]);
+    assert_eq!(refused.code(), 1, "{}", refused.stderr());
+    assert!(refused.stderr().contains("more than 4000000 readings"), "{}", refused.stderr());
+    work.write("run.csv", "time_s,deviation_um\n0,1\n1e11,1\n");
+    work.test(&format!("{PLAN}[[run]]\nprogram = \"O1.nc\"\nlog = \"run.csv\"\n"));
+    let refused = work.ballbar(&["align", "test.toml"]);
+    assert!(refused.stderr().contains("is more than 10000000000 s"), "{}", refused.stderr());
+    assert!(refused.stderr().contains("run.csv:3:1"), "{}", refused.stderr());
+}
+
+#[test]
+fn a_large_file_of_keys_is_refused_before_it_is_taken_apart() {
+    let work = Work::new();
+    work.write("machine.toml", "# none\n".repeat(700_000));
+    let refused = work.ballbar(&["machines", "machine.toml"]);
+    assert_eq!(refused.code(), 1, "{}", refused.stderr());
+    assert!(refused.stderr().contains("more than 4 MiB"), "{}", refused.stderr());
+}
+
+#[test]
 fn a_model_without_a_number_is_refused() {
     let work = Work::new();
     work.machine("name", "name").test(PLAN);
@@ -102,6 +157,10 @@ fn what_never_ends_is_refused_before_it_begins() {
     let refused = work.ballbar(&["simulate", "slow.toml"]);
     assert_eq!(refused.code(), 1, "{}", refused.stderr());
     assert!(refused.stderr().contains("are the most"), "{}", refused.stderr());
+    work.write("late.toml", "sample_rate_hz = 0.001\n[motion]\nfollowing_ms = [15, 15, 15]\n[pauses]\nbetween_s = [1e5, 1e5]\n");
+    let refused = work.ballbar(&["simulate", "test.toml", "--scenario", "late.toml"]);
+    assert_eq!(refused.code(), 1, "{}", refused.stderr());
+    assert!(refused.stderr().contains("followed for 20000 s at the most"), "{}", refused.stderr());
     // Ten moves, called three million times.
     let moves = "G01 X10. F500.\nX0.\n".repeat(5);
     let start = "G21 G17 G90 G94 G40 G49 G80 G54 G00 X0. Y0. Z0.\n";
@@ -109,7 +168,7 @@ fn what_never_ends_is_refused_before_it_begins() {
     work.write("calls.nc", program);
     let refused = work.ballbar(&["time", "calls.nc", "--machine", "machine.toml"]);
     assert_eq!(refused.code(), 1, "{}", refused.stderr());
-    assert!(refused.stderr().contains("more than 2000000 moves"), "{}", refused.stderr());
+    assert!(refused.stderr().contains("more than 1000000 moves"), "{}", refused.stderr());
     if cfg!(unix) {
         let refused = work.ballbar(&["check", "/dev/zero", "--machine", "machine.toml"]);
         assert_eq!(refused.code(), 1);
