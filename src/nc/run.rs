@@ -16,6 +16,9 @@ pub(crate) const MOST_BLOCKS: usize = 20_000_000;
 /// less than 1 GB.
 const MOST_STEPS: usize = 1_000_000;
 
+/// So often a program may interrupt its motion, or go wrong and be followed further; one of a test has some hundred stops.
+const MOST_MARKS: usize = 100_000;
+
 /// Longest dwell, s: eight digits of milliseconds are all that a control of this kind takes.
 const LONGEST_DWELL_S: f64 = 99_999.999;
 
@@ -123,7 +126,7 @@ struct Runner<'a> {
 impl Runner<'_> {
     fn run(&mut self, most_blocks: usize, refuse: &mut Refuse<'_>) -> Result<()> {
         let listing = self.listing;
-        let mut ran = 0;
+        let (mut ran, mut refused) = (0, 0);
         while let Some(call) = self.calls.last_mut() {
             let section = &listing.sections[call.section];
             if call.next >= section.blocks.end {
@@ -134,9 +137,14 @@ impl Runner<'_> {
             call.next += 1;
             ran += 1;
             let steps = self.ran.steps.len();
-            if ran > most_blocks || steps > MOST_STEPS {
+            let marks = self.ran.marks.len().max(refused);
+            if ran > most_blocks || steps > MOST_STEPS || marks > MOST_MARKS {
                 let what = if steps > MOST_STEPS {
                     format!("the program makes more than {MOST_STEPS} moves")
+                } else if marks > MOST_MARKS {
+                    format!(
+                        "more than {MOST_MARKS} blocks cannot be followed or interrupt the motion"
+                    )
                 } else {
                     format!("the program runs more than {most_blocks} blocks")
                 };
@@ -148,6 +156,7 @@ impl Runner<'_> {
                 Ok(next) if !block.faulty => next,
                 Ok(_) => self.guess(block),
                 Err(fault) => {
+                    refused += 1;
                     refuse(listing.locate(block.line, fault))?;
                     self.guess(block)
                 }
