@@ -125,7 +125,7 @@ fn wrong_keys_and_values_in_a_test_file() {
                 "{plan}[[mounting]]\nname = \"B\"\nbar_length_mm = 1.0\n\
                  coincidence_mm = [0.0, 0.0, 0.0]\ntool_ball_mm = [0.0, 0.0, -200.0]\n"
             ),
-            "a bar of 1 mm cannot read 1.2 mm either way",
+            "`bar_length_mm` must lie between 5 and 3000, got `1`",
         ),
         (format!("{plan}[identify]\nterms = [\"EXX7\"]\n"), "unknown term `EXX7`"),
         (format!("{plan}[log]\nreading_unit = \"furlong\"\n"), "unknown unit `furlong`"),
