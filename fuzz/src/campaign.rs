@@ -91,17 +91,6 @@ pub fn run(target: &Target) {
     );
 }
 
-/// Reads what an engine's bytes make of the seeds of a target.
-///
-/// # Panics
-/// When a reader panics, or when it takes too much.
-pub fn one_of_engine(target: &Target, seeds: &[Vec<u8>], bytes: &[u8]) {
-    let input = mutated(&mut Choices::of_bytes(bytes), seeds, target.words);
-    let (_, taken) = limits::measured(target.name, &input, || (target.read)(&input));
-    assert!(taken.bytes < limits::MOST_BYTES, "takes {} MB", taken.bytes >> 20);
-    assert!(taken.time < limits::LONGEST, "takes {:.0} s", taken.time.as_secs_f64());
-}
-
 impl Outcome {
     /// Reads one input; says whether that went well.
     fn one(&mut self, target: &Target, input: &[u8]) -> bool {

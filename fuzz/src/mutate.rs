@@ -91,10 +91,10 @@ const TEXTS: [&[u8]; 26] = [
 
 /// An input, while it is changed.
 #[derive(Debug)]
-pub struct Mutation<'a, 'b> {
+pub struct Mutation<'a> {
     /// What it is now.
     bytes: Vec<u8>,
-    choices: &'a mut Choices<'b>,
+    choices: &'a mut Choices,
     /// Words of the language.
     words: &'a [&'a str],
     /// Other inputs, to take lines from.
@@ -102,7 +102,7 @@ pub struct Mutation<'a, 'b> {
 }
 
 /// Changes one of the seeds in one to eight ways.
-pub fn mutated(choices: &mut Choices<'_>, seeds: &[Vec<u8>], words: &[&str]) -> Vec<u8> {
+pub fn mutated(choices: &mut Choices, seeds: &[Vec<u8>], words: &[&str]) -> Vec<u8> {
     let bytes = choices.one(seeds).cloned().unwrap_or_default();
     let times = 1 + choices.below(4) * choices.below(3);
     let mut mutation = Mutation { bytes, choices, words, others: seeds };
@@ -116,7 +116,7 @@ pub fn mutated(choices: &mut Choices<'_>, seeds: &[Vec<u8>], words: &[&str]) -> 
     mutation.bytes
 }
 
-impl Mutation<'_, '_> {
+impl Mutation<'_> {
     fn change(&mut self) {
         match self.choices.below(16) {
             0..=4 => self.number(),

@@ -13,16 +13,7 @@ macro_rules! readers {
         $(
             #[test]
             fn $name() {
-                let target = target(stringify!($name));
-                ballbar_fuzz::campaign::run(target);
-                // Guided by coverage, where `cargo bolero` has built it.
-                #[cfg(fuzzing)]
-                {
-                    let seeds = (target.seeds)();
-                    bolero::check!().for_each(|bytes: &[u8]| {
-                        ballbar_fuzz::campaign::one_of_engine(target, &seeds, bytes);
-                    });
-                }
+                ballbar_fuzz::campaign::run(target(stringify!($name)));
             }
         )*
 

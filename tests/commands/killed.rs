@@ -47,7 +47,7 @@ struct Met {
 
 #[test]
 fn what_a_killed_command_leaves_is_set_right() {
-    trials(10);
+    trials(6);
 }
 
 /// More of them: `BALLBAR_KILLS=500 cargo test --release --test commands -- --ignored killed` takes half an hour.
@@ -55,7 +55,7 @@ fn what_a_killed_command_leaves_is_set_right() {
 #[ignore = "long: `cargo test --release -- --ignored` runs it, and .ci/run does"]
 fn what_many_killed_commands_leave_is_set_right() {
     let asked = std::env::var("BALLBAR_KILLS").ok().and_then(|count| count.parse().ok());
-    trials(asked.unwrap_or(60));
+    trials(asked.unwrap_or(30));
 }
 
 /// Ends each command so often, half of them by each end.
