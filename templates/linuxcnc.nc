@@ -12,7 +12,7 @@ O{{ number }} ({{ title }})
 {%- when Line::Block with (n, words) %}
 {{ n }}{{ words }}
 {%- when Line::Cutting with (n) %}
-{{ n }}G64 P0.01
+{{ n }}G64 P0.01 Q0
 {%- when Line::Dwell with (n, seconds) %}
 {{ n }}G04 P{{ seconds.decimal() }}
 {%- when Line::Call with (n, program) %}

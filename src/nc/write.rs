@@ -49,7 +49,8 @@ struct Fanuc<'a> {
     lines: &'a [Line],
 }
 
-/// With G64 alone, LinuxCNC would round the corners as far as its acceleration asks for.
+/// With G64 alone, LinuxCNC would round the corners as far as its acceleration asks for; without Q0 it would put chords
+/// together as far as P lets it, and what was planned within 0.4 um would be driven within 10.
 #[derive(Template)]
 #[template(path = "linuxcnc.nc", escape = "none")]
 struct LinuxCnc<'a> {

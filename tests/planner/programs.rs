@@ -84,13 +84,10 @@ fn meridian(machine: &Machine) -> String {
     let test = Test::parse(test, "t.toml".as_ref()).unwrap();
     let path = plan::Path::plan(&test, machine, 0).unwrap();
     let text = nc::write(&test, machine, &path).unwrap();
-    // As it was recorded: positioned beside, and without the stops before the bar is fitted and after its release.
-    let line_of = |words: &str| text[..text.find(words).unwrap()].rfind('\n').unwrap() + 1;
-    let slow = text[line_of("(APPROACH)")..].lines().filter_map(|line| line.split_once("G01 "));
-    let mut slow = slow.map(|(_, place)| place.trim_end_matches(" F600."));
-    let (beside, outside) = (slow.next().unwrap(), slow.next().unwrap());
-    let driven = &text[line_of("M00 (FIT")..line_of("M00 (TAKE")];
-    format!("G00 {beside}\nG01 {outside} F2000.\n{driven}")
+    // Every block between the title and M30, the stops for the bar among them.
+    let blocks =
+        text.lines().filter(|line| !line.starts_with(['%', 'O']) && !line.ends_with("M30"));
+    blocks.fold(String::new(), |all, block| all + block + "\n")
 }
 
 pub(crate) fn runs() -> Vec<Run> {

@@ -109,7 +109,7 @@ fn the_dialect_decides_what_is_wrong() {
     let source = std::fs::read_to_string(machine().file()).unwrap();
     let source = source.replace("\"fanuc\"", "\"linuxcnc\"");
     let machine = Machine::parse(&source, "m.toml".as_ref()).unwrap();
-    let spoken = rs274::translated(BASE).replace("G64", "G64 P0.01");
+    let spoken = rs274::translated(BASE).replace("G64", "G64 P0.01 Q0");
     assert_eq!(checked(&spoken, &machine, &sphere()).findings, []);
     let lenient = spoken
         .replacen("X150.000 Y0.000", "x150 y0", 1)
@@ -119,6 +119,12 @@ fn the_dialect_decides_what_is_wrong() {
     for (from, to, told) in [
         ("G04 P3.000", "G04 X3.0", "X3 has no meaning in this block"),
         ("G01 X149.999", "G09 G01 X149.999", "G09 is not known"),
+        ("G64 P0.01 Q0", "G64 P0.01", "G64 without Q0 lets the control put chords together"),
+        (
+            "G64 P0.01 Q0",
+            "G64 P0.01 Q0.005",
+            "G64 with Q0.005 lets the control put chords together",
+        ),
         ("(ARC 1 FORWARD)", "G05.1 Q1", "G05.1 is not known"),
     ] {
         let findings = checked(&spoken.replacen(from, to, 1), &machine, &sphere()).findings;

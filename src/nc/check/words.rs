@@ -28,6 +28,10 @@ pub(super) fn check(
             |code: u32| words.iter().any(|word| word.letter == b'G' && word.whole() == Some(code));
         inch = (inch || g(20)) && !g(21);
         let dwell = g(4);
+        let rounds = g(64) && controller.dialect == Dialect::LinuxCnc;
+        if let Some(fault) = rounds.then(|| merges(words)).flatten() {
+            findings.warning("merged", listing.locate(block.line, fault));
+        }
         for word in words {
             let found = match word.letter {
                 b'X' | b'U' if dwell => point_of_dwell(word),
@@ -117,6 +121,19 @@ fn length(word: &Word, inch: bool, decimals: usize) -> Found {
         return Some(("decimals", false, Fault::word(word, what).hint(hint)));
     }
     None
+}
+
+/// LinuxCNC puts chords together that are within Q of a line, and within P where there is no Q.
+fn merges(words: &[Word]) -> Option<Fault> {
+    let word = |letter| words.iter().find(|word| word.letter == letter);
+    let with = match (word(b'Q'), word(b'P')) {
+        (Some(q), _) if q.value > 0.0 => format!("with {}", q.name()),
+        (None, Some(p)) if p.value > 0.0 => "without Q0".to_owned(),
+        _ => return None,
+    };
+    let what = format!("G64 {with} lets the control put chords together: the path is another one");
+    let hint = "write Q0, and P for the corners: G64 P0.01 Q0";
+    Some(Fault::line(what).hint(hint))
 }
 
 /// Blocks that nothing leads to: behind M30, or in a subprogram that nobody calls.
