@@ -50,7 +50,7 @@ fn what_a_killed_command_leaves_is_set_right() {
     trials(6);
 }
 
-/// More of them: `BALLBAR_KILLS=500 cargo test --release --test commands -- --ignored killed` takes half an hour.
+/// More of them: `BALLBAR_KILLS=500 cargo test --release --test commands -- --ignored killed` takes a quarter of an hour.
 #[test]
 #[ignore = "long: `cargo test --release -- --ignored` runs it, and .ci/run does"]
 fn what_many_killed_commands_leave_is_set_right() {
