@@ -13,6 +13,7 @@ mod path;
 mod raw;
 mod raw_arc;
 mod raw_mounting;
+mod raw_plan;
 mod step;
 mod strategy;
 mod test_file;
