@@ -11,6 +11,10 @@ const PILED: usize = 6;
 /// And so many stand one behind the other.
 const TOGETHER: usize = 3;
 
+/// No bar reads less either way, mm (`range_mm`). Nearer to its nominal length readings pile up on a machine that goes round
+/// as it should.
+const LEAST_MM: f64 = 0.01;
+
 /// The limits that the readings of a log were cut off at, mm, at most one either way.
 fn limits_mm(log: &Log) -> Vec<f64> {
     let mut values: Vec<f64> =
@@ -21,7 +25,9 @@ fn limits_mm(log: &Log) -> Vec<f64> {
     let ends = [(steps.next(), steps.next()), (steps.next_back(), steps.next_back())];
     let limit = |(outermost, next): (Option<&[f64]>, Option<&[f64]>)| {
         let (outermost, next) = (outermost?, next?);
-        let piled = outermost.len() >= FEWEST && outermost.len() > PILED * next.len();
+        let piled = outermost[0].abs() >= LEAST_MM
+            && outermost.len() >= FEWEST
+            && outermost.len() > PILED * next.len();
         (piled && longest(log, outermost[0]) >= TOGETHER).then_some(outermost[0])
     };
     ends.into_iter().filter_map(limit).collect()
