@@ -16,6 +16,8 @@ pub const BETWEEN: &[u8] = b"\n=====\n";
 pub const SHORT_TEST: &str = include_str!("seeds/short.toml");
 /// The same on a LinuxCNC, two mountings.
 pub const OTHER_TEST: &str = include_str!("seeds/other.toml");
+/// Circles in planes, for the other machine.
+pub const PLANES_TEST: &str = include_str!("seeds/planes.toml");
 /// A machine file with every key.
 pub const FULL_MACHINE: &str = include_str!("seeds/machine.toml");
 /// A LinuxCNC.

@@ -100,8 +100,8 @@ pub struct Outlook {
     pub name: String,
     /// `3d6`, or `free`.
     pub strategy: &'static str,
-    /// Feed on the arcs, mm/s.
-    pub feed_mm_s: f64,
+    /// Feeds on the arcs, mm/s.
+    pub feeds_mm_s: Vec<f64>,
     /// The instrument.
     pub bar: BallBar,
     /// What is assumed of the operator.
@@ -199,7 +199,7 @@ impl Outlook {
         Ok(Self {
             name: test.name().to_owned(),
             strategy: plan.strategy_name(),
-            feed_mm_s: plan.feed_mm_s,
+            feeds_mm_s: plan.feeds_mm_s.clone(),
             bar: test.ball_bar().clone(),
             operator: *test.operator(),
             mountings,
@@ -262,12 +262,13 @@ fn time_by_kind(test: &Test, program: &PlannedProgram, run: &RunInput) -> (TimeB
     let total = program.trajectory.duration();
     let (mut time, mut lengths_mm) = (TimeByKind::default(), [0.0; 2]);
     // The sections are the path's arcs and transits, in the same order.
-    for (section, (arc, transit)) in run.alignment.sections.iter().zip(&program.path.arcs) {
+    for (section, leg) in run.alignment.sections.iter().zip(&program.path.legs) {
         let seconds = section.end_s - section.start_s;
         let sphere_mm = test.bar_of(program.mounting).length_mm;
+        let arc = leg.driven();
         let length_mm = arc.circle_radius_mm(sphere_mm) * arc.sweep_rad.abs();
-        *(if *transit { &mut time.transits_s } else { &mut time.arcs_s }) += seconds;
-        lengths_mm[usize::from(*transit)] += length_mm;
+        *(if leg.transit { &mut time.transits_s } else { &mut time.arcs_s }) += seconds;
+        lengths_mm[usize::from(leg.transit)] += length_mm;
     }
     let operator = test.operator();
     let between = total.stops.saturating_sub(BAR_STOPS) as f64;

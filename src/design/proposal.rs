@@ -98,6 +98,11 @@ impl<'a> Designer<'a> {
                 .at(Place::file(test.file()))
                 .hint("take `both_directions = false` out of `[plan]`"));
         }
+        let [feed_mm_s] = plan.feeds_mm_s[..] else {
+            return Err(Error::input("a designed test is driven at one feed")
+                .at(Place::file(test.file()))
+                .hint("write one number as `feed_mm_min`; the test that comes out may be driven at others, too"));
+        };
         let arcs = candidate_arcs(request.step_rad);
         let set_ups = set_up_candidates(test, request, machine)?;
         let drivable = drivable(test, machine, &set_ups, &arcs, plan.feed_in_mm)?;
@@ -119,13 +124,13 @@ impl<'a> Designer<'a> {
                 ArcInformation {
                     set_up,
                     arc,
-                    seconds: moving_mm / plan.feed_mm_s + 3.0 * plan.dwell_s,
+                    seconds: moving_mm / feed_mm_s + 3.0 * plan.dwell_s,
                     factor: basis.information(
                         machine,
                         &set_ups[set_up],
                         &arcs[arc],
                         bar.sample_rate_hz,
-                        plan.feed_mm_s,
+                        feed_mm_s,
                         variance_mm2,
                     ),
                 }

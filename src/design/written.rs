@@ -50,7 +50,9 @@ pub(super) fn test_file(
         .flat_map(|proposed| proposed.arcs.iter().map(|arc| arc_table(arc, &proposed.set_up.name)));
     let arcs: Vec<Value> = arcs.collect();
     if let Some(Value::Table(plan)) = table.get_mut("plan") {
-        plan.remove("strategy");
+        for key in ["strategy", "sweep_deg", "start_deg", "overshoot_deg"] {
+            plan.remove(key);
+        }
         plan.insert("arc".into(), arcs.into());
     }
     let mut identify = match table.remove("identify") {

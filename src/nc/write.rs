@@ -4,9 +4,9 @@ use askama::Template;
 use nalgebra::Vector3;
 
 use super::comment;
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, Kind, Place, Result};
 use crate::machine::{Controller, Dialect, Machine};
-use crate::plan::{Path, Step, Test, approach_mm_s};
+use crate::plan::{Circular, Path, Plane, Step, Test};
 
 /// A program before it is put into the words of a dialect, line by line; `N` numbers include their blank.
 enum Line {
@@ -61,7 +61,7 @@ struct LinuxCnc<'a> {
 }
 
 /// The program of a path: header with machine, test and hash of the test file, safe start, G64, the
-/// arcs in G01 chords, M30.
+/// arcs in G01 chords or as G02 and G03, M30.
 ///
 /// Chord blocks carry no N number: there are more of them than numbers. Every axis word has a decimal
 /// point, because without one it counts in least increments. Coordinates are those of the mounting's
@@ -80,7 +80,7 @@ pub fn write(test: &Test, machine: &Machine, path: &Path) -> Result<String> {
     };
     let plan = test.plan()?;
     // Behind the main programs of all mountings, so that all fit into one control.
-    let legs = path.arcs.len() as u32;
+    let legs = path.legs.len() as u32;
     let first = plan.program_number + test.mountings().len() as u32 + path.mounting as u32 * legs;
     if first + legs > LARGEST_NUMBER + 1 {
         return Err(Error::input(format!(
@@ -104,11 +104,22 @@ pub fn write(test: &Test, machine: &Machine, path: &Path) -> Result<String> {
     Ok(divided)
 }
 
+/// With fewer the ends of an arc are rounded so far that their radii differ by more than a control lets pass.
+const DECIMALS_OF_ARCS: usize = 3;
+
 /// Largest program number that is free for users.
 const LARGEST_NUMBER: u32 = 7999;
 
 fn render(test: &Test, machine: &Machine, path: &Path, subprograms: Option<u32>) -> Result<String> {
     let plan = test.plan()?;
+    let circular = |step: &Step| matches!(step, Step::Circular(..));
+    if machine.controller().decimals < DECIMALS_OF_ARCS && path.steps.iter().any(circular) {
+        return Err(Error::input(
+            "with 2 decimals the two ends of an arc of G02 and G03 have radii up to 14 um apart, which controls refuse",
+        )
+        .at(Place::file(test.file()))
+        .hint("write `interpolation = \"chords\"` in `[plan]`, or give the control the `decimals` that it has"));
+    }
     let mounting = &test.mountings()[path.mounting];
     let mut writer = Writer {
         controller: machine.controller(),
@@ -119,7 +130,6 @@ fn render(test: &Test, machine: &Machine, path: &Path, subprograms: Option<u32>)
         at: None,
         zero_mm: mounting.mounting.coincidence_mm,
         work_offset: mounting.work_offset,
-        feed_mm_s: plan.feed_mm_s,
         feeding: false,
         feed_in_force: String::new(),
     };
@@ -140,7 +150,11 @@ fn render(test: &Test, machine: &Machine, path: &Path, subprograms: Option<u32>)
         "BALL-BAR {} R{} F{}",
         plan.strategy_name(),
         number(mounting.bar_length_mm).trim_end_matches('.'),
-        number(plan.feed_mm_s * 60.0).trim_end_matches('.')
+        plan.feeds_mm_s
+            .iter()
+            .map(|feed| number(feed * 60.0).trim_end_matches('.').to_owned())
+            .collect::<Vec<_>>()
+            .join(" F")
     ));
     let header = [
         comment(format!("MACHINE {}", machine.name())),
@@ -177,6 +191,24 @@ fn power_on(dialect: Dialect) -> &'static [&'static str] {
     }
 }
 
+/// The G word of a plane.
+fn plane_word(plane: Plane) -> &'static str {
+    match plane {
+        Plane::Xy => "G17",
+        Plane::Zx => "G18",
+        Plane::Yz => "G19",
+    }
+}
+
+/// How many of these steps are one arc with its overshoot and its look-ahead; 0 where they begin with something else.
+fn of_arc(steps: &[Step]) -> usize {
+    let off = |step: &Step| *step == Step::LookAhead(false);
+    match steps {
+        [Step::LookAhead(true), ..] => 1 + steps.iter().position(off).unwrap_or(steps.len() - 1),
+        _ => 0,
+    }
+}
+
 /// A number with a decimal point and no more digits than it needs: `500.`, `333.3`.
 fn number(value: f64) -> String {
     let text = format!("{value:.3}");
@@ -195,8 +227,6 @@ struct Writer<'a> {
     /// Machine coordinates of the zero of the work offset, mm.
     zero_mm: Vector3<f64>,
     work_offset: u8,
-    /// The feed of the test, mm/s.
-    feed_mm_s: f64,
     feeding: bool,
     /// The last F.
     feed_in_force: String,
@@ -227,16 +257,10 @@ impl Writer<'_> {
         let mut rest = steps;
         while let Some((step, after)) = rest.split_first() {
             let arc = match (self.next, rest) {
-                (
-                    Some(number),
-                    [
-                        Step::Comment(name),
-                        on @ Step::LookAhead(_),
-                        chords @ Step::Chords(_),
-                        off @ Step::LookAhead(_),
-                        ..,
-                    ],
-                ) => Some((number, name, [on, chords, off])),
+                (Some(number), [Step::Comment(name), arc @ ..]) => {
+                    let length = of_arc(arc);
+                    (length > 0).then(|| (number, name, &arc[..length]))
+                }
                 _ => None,
             };
             let Some((number, name, arc)) = arc else {
@@ -258,7 +282,7 @@ impl Writer<'_> {
             self.subprograms.append(&mut subprogram);
             self.feeding = false;
             self.next = Some(number + 1);
-            rest = &rest[4..];
+            rest = &rest[1 + arc.len()..];
         }
     }
 
@@ -277,38 +301,77 @@ impl Writer<'_> {
         text.reserve(40);
         for (letter, value) in ["X", " Y", " Z"].into_iter().zip(*rounded) {
             text.push_str(letter);
-            if value < 0 {
-                text.push('-');
-            }
-            // Digits from the last; formatting by the library makes the whole seven times slower.
-            let mut digits = [b'0'; 24];
-            let (mut left, mut at) = (value.unsigned_abs(), digits.len());
-            while at > digits.len() - self.controller.decimals - 2 || left > 0 {
-                at -= 1;
-                if digits.len() - at == self.controller.decimals + 1 {
-                    digits[at] = b'.';
-                } else {
-                    digits[at] = b'0' + (left % 10) as u8;
-                    left /= 10;
-                }
-            }
-            text.extend(digits[at..].iter().map(|digit| char::from(*digit)));
+            self.decimal(&mut text, value);
         }
         text
+    }
+
+    /// A number in units of the last decimal behind what is there; zero has no sign.
+    fn decimal(&self, text: &mut String, value: i64) {
+        if value < 0 {
+            text.push('-');
+        }
+        // Digits from the last; formatting by the library makes the whole seven times slower.
+        let mut digits = [b'0'; 24];
+        let (mut left, mut at) = (value.unsigned_abs(), digits.len());
+        while at > digits.len() - self.controller.decimals - 2 || left > 0 {
+            at -= 1;
+            if digits.len() - at == self.controller.decimals + 1 {
+                digits[at] = b'.';
+            } else {
+                digits[at] = b'0' + (left % 10) as u8;
+                left /= 10;
+            }
+        }
+        text.extend(digits[at..].iter().map(|digit| char::from(*digit)));
     }
 
     /// A straight move, with F where another is in force.
     fn feed(&mut self, point: &Vector3<f64>, feed_mm_s: f64) {
         let rounded = self.rounded(point);
-        let mut words = self.words("G01 ".to_owned(), &rounded);
-        let feed = number(feed_mm_s * 60.0);
-        if self.feed_in_force != feed {
-            words += " F";
-            words += &feed;
-            self.feed_in_force = feed;
-        }
-        self.block(&words);
+        let words = self.words("G01 ".to_owned(), &rounded);
+        let feed = self.f(feed_mm_s);
+        self.block(&(words + &feed));
         (self.at, self.feeding) = (Some(rounded), true);
+    }
+
+    /// The F word with its blank where another one is in force.
+    fn f(&mut self, feed_mm_s: f64) -> String {
+        let feed = number(feed_mm_s * 60.0);
+        if self.feed_in_force == feed {
+            return String::new();
+        }
+        self.feed_in_force.clone_from(&feed);
+        format!(" F{feed}")
+    }
+
+    /// A circular arc about the zero of the work offset: plane, sense, end, and the way from its start to its centre.
+    ///
+    /// The axis that it does not move is not named. Ends that rounding makes one would be a whole turn, so they are written
+    /// where a whole turn is meant and nowhere else.
+    fn circular(&mut self, arc: &Circular, feed_mm_s: f64) {
+        let (Some(from), Some(end)) = (self.at, arc.points.last()) else { return };
+        let to = self.rounded(end);
+        let axes = arc.plane.axes();
+        let stays = axes.iter().all(|&axis| from[axis] == to[axis]);
+        if stays && arc.sweep_rad.abs() < std::f64::consts::PI {
+            return;
+        }
+        let mut words = plane_word(arc.plane).to_owned();
+        words += if arc.sweep_rad > 0.0 { " G03" } else { " G02" };
+        // X before Y before Z, as everywhere.
+        let mut letters = axes;
+        letters.sort_unstable();
+        for (names, values) in [(["X", "Y", "Z"], to), (["I", "J", "K"], from.map(|at| -at))] {
+            for axis in letters {
+                words += " ";
+                words += names[axis];
+                self.decimal(&mut words, values[axis]);
+            }
+        }
+        words += &self.f(feed_mm_s);
+        self.block(&words);
+        (self.at, self.feeding) = (Some(to), false);
     }
 
     fn step(&mut self, step: &Step) {
@@ -337,9 +400,9 @@ impl Writer<'_> {
                 self.block(&format!("G00 G53 {xy}"));
                 self.at = None;
             }
-            Step::Slow(point) => self.feed(point, approach_mm_s(self.feed_mm_s)),
-            Step::Feed(point) => self.feed(point, self.feed_mm_s),
-            Step::Chords(points) => {
+            Step::Feed(point, feed_mm_s) => self.feed(point, *feed_mm_s),
+            Step::Circular(arc, feed_mm_s) => self.circular(arc, *feed_mm_s),
+            Step::Chords(points, feed_mm_s) => {
                 for point in points {
                     let rounded = self.rounded(point);
                     // Points that rounding makes one are one.
@@ -348,7 +411,8 @@ impl Writer<'_> {
                     }
                     let mode = if self.feeding { "" } else { "G01 " };
                     let words = self.words(mode.to_owned(), &rounded);
-                    self.lines.push(Line::Chord(words));
+                    let feed = self.f(*feed_mm_s);
+                    self.lines.push(Line::Chord(words + &feed));
                     self.feeding = true;
                     self.at = Some(rounded);
                 }
@@ -380,7 +444,7 @@ impl Writer<'_> {
             }
         }
         // G01 is stated anew after every interruption, for the operator who starts in the middle.
-        if !matches!(step, Step::Chords(_) | Step::Feed(_) | Step::Slow(_)) {
+        if !matches!(step, Step::Chords(..) | Step::Feed(..)) {
             self.feeding = false;
         }
     }

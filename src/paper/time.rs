@@ -98,8 +98,8 @@ fn time(machine: &Machine, what: &'static str, arcs: &str) -> Result<PaperTime> 
         feed_in_s: 0.0,
         dwells_s: 0.0,
         pauses: 0,
-        legs: path.arcs.iter().filter(|(_, transit)| !transit).count(),
-        turn_s: std::f64::consts::TAU * test.ball_bar().length_mm / test.plan()?.feed_mm_s,
+        legs: path.legs.iter().filter(|leg| !leg.transit).count(),
+        turn_s: std::f64::consts::TAU * test.ball_bar().length_mm / test.plan()?.slowest_mm_s(),
     };
     for block in trajectory.blocks() {
         let on = match (block.kind, trajectory.label(block)) {

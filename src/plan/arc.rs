@@ -1,6 +1,6 @@
 //! A circular arc on the sphere.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use nalgebra::{Rotation3, Unit, UnitVector3, Vector3};
 
@@ -18,6 +18,12 @@ pub struct Arc {
     /// Angle turned about `normal` by the right hand, rad; negative turns the other way.
     pub sweep_rad: f64,
 }
+
+/// A way is looked at in so many places.
+const LOOKS: usize = 90;
+/// Farther below its ends, as a share of the radius, a way may meet what carries the workpiece ball: on a bar of 150 mm
+/// 30 mm.
+const BELOW: f64 = 0.2;
 
 /// Direction of a polar angle and an azimuth, rad.
 pub(super) fn direction(polar_rad: f64, azimuth_rad: f64) -> UnitVector3<f64> {
@@ -65,8 +71,12 @@ impl Arc {
         Self { name: name.to_owned(), start: *from, normal, sweep_rad }
     }
 
-    /// Direction after a share of the sweep, 0 to 1.
+    /// Direction after a share of the sweep, 0 to 1; after whole turns it is that of the start to the last bit.
     pub fn at(&self, share: f64) -> UnitVector3<f64> {
+        let turns = self.sweep_rad * share / TAU;
+        if (turns - turns.round()).abs() < 1e-12 {
+            return self.start;
+        }
         let turned = Rotation3::from_axis_angle(&self.normal, self.sweep_rad * share) * self.start;
         Unit::new_normalize(turned.into_inner())
     }
@@ -80,6 +90,29 @@ impl Arc {
             normal: self.normal,
             sweep_rad: -self.sweep_rad,
         }
+    }
+
+    /// The same arc, begun so much earlier on its circle and ended so much later, rad.
+    #[must_use]
+    pub fn beyond(&self, rad: f64) -> Self {
+        let before_rad = -rad.copysign(self.sweep_rad);
+        let turned = Rotation3::from_axis_angle(&self.normal, before_rad) * self.start;
+        Self {
+            start: if rad > 0.0 { Unit::new_normalize(turned.into_inner()) } else { self.start },
+            sweep_rad: self.sweep_rad - 2.0 * before_rad,
+            ..self.clone()
+        }
+    }
+
+    /// The way on the sphere from one direction to another: the shortest, or where that leads far below both, to where the
+    /// post of the workpiece ball stands, round the other side.
+    pub fn transit(name: &str, from: &UnitVector3<f64>, to: &UnitVector3<f64>) -> Self {
+        let short = Self::shortest(name, from, to);
+        let lowest = (0..=LOOKS).map(|k| short.at(k as f64 / LOOKS as f64).z).fold(1.0, f64::min);
+        if lowest > from.z.min(to.z) - BELOW {
+            return short;
+        }
+        Self { sweep_rad: short.sweep_rad - TAU, ..short }
     }
 
     /// Radius of the circle on a sphere, mm.
@@ -138,6 +171,28 @@ mod tests {
         let arc = Arc::shortest("T", &Vector3::x_axis(), &-Vector3::x_axis());
         assert!(close(&arc.at(0.5), [0.0, 0.0, 1.0]) || close(&arc.at(0.5), [0.0, 0.0, -1.0]));
         assert!(arc.at(0.5).z > 0.0);
+    }
+
+    #[test]
+    fn transits_between_low_places_go_over_the_top() {
+        // The two ends of 220 degrees in ZX: the shortest way leads through the post.
+        let low = |azimuth_rad| direction(110.0_f64.to_radians(), azimuth_rad);
+        let arc = Arc::transit("T", &low(0.0), &low(PI));
+        assert!(arc.at(0.5).z > 0.999 && close(&arc.at(1.0), low(PI).into_inner().into()));
+        // From plane to plane it stays beside.
+        let arc = Arc::transit("T", &low(0.0), &low(FRAC_PI_2));
+        assert!(arc.sweep_rad > 0.0 && arc.at(0.5).z > -0.5);
+    }
+
+    #[test]
+    fn what_is_driven_beyond_an_arc_lies_on_its_circle_on_both_sides() {
+        for sweep_rad in [1.0, -1.0] {
+            let arc = Arc::equator("E", 0.5, sweep_rad);
+            let beyond = arc.beyond(0.25);
+            assert!(close(&beyond.at(1.0 / 6.0), arc.start.into_inner().into()));
+            assert!(close(&beyond.at(5.0 / 6.0), arc.at(1.0).into_inner().into()));
+            assert_eq!(arc.beyond(0.0), arc);
+        }
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The plan of a test: arcs on the sphere, strategies, and the path that a program will drive.
+//! The plan of a test: arcs on the sphere and in planes, strategies, and the path that a program will drive.
 //!
 //! Points are vectors from the workpiece ball to the tool ball in programmed coordinates, mm. Angles
 //! on the sphere: polar angle from the tool axis Z, azimuth from X towards Y.
@@ -6,12 +6,16 @@
 mod arc;
 mod clearance;
 mod design_request;
+mod leg;
 pub mod log_format;
 mod operator;
 mod parts;
 mod path;
+mod planar;
+mod plane;
 mod raw;
 mod raw_arc;
+mod raw_feeds;
 mod raw_mounting;
 mod raw_plan;
 mod step;
@@ -22,11 +26,14 @@ mod ways;
 pub use arc::Arc;
 pub use clearance::{LeastClearance, Part};
 pub use design_request::{Criterion, DesignRequest, Places};
+pub use leg::{Interpolation, Leg, OVERSHOOT};
 pub use operator::Operator;
 pub use parts::{BallBar, Estimation, NamedMounting, PathPlan, Run};
 pub use path::Path;
+pub use planar::{Planar, Planes};
+pub use plane::Plane;
 pub(crate) use raw::CORRELATIONS_S;
-pub use step::Step;
+pub use step::{Circular, Step};
 pub use strategy::Strategy;
 pub use test_file::Test;
-pub use ways::{BAR_STOPS, approach_mm_s};
+pub use ways::BAR_STOPS;

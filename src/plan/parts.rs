@@ -3,6 +3,9 @@
 use std::path::PathBuf;
 
 use super::arc::Arc;
+use super::leg::{Interpolation, Leg};
+use super::planar::Planar;
+use super::plane::Plane;
 use super::strategy::Strategy;
 use crate::machine::Mounting;
 use crate::model::{COMPLETE, Empirical, LOCAL, ModelFile};
@@ -54,9 +57,12 @@ pub(super) struct FreeArc {
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathPlan {
     pub(super) strategy: Option<Strategy>,
+    pub(super) planar: Option<Planar>,
     pub(super) free_arcs: Vec<FreeArc>,
-    /// Feed on the arcs, mm/s.
-    pub feed_mm_s: f64,
+    /// Feeds on the arcs, mm/s, at least one: every arc is driven at each.
+    pub feeds_mm_s: Vec<f64>,
+    /// How arcs are written.
+    pub interpolation: Interpolation,
     /// Largest sagitta of a chord, mm.
     pub chord_sag_mm: f64,
     /// Dwell between arcs, s.
@@ -69,32 +75,88 @@ pub struct PathPlan {
     pub both_directions: bool,
     /// M00 instead of a dwell after every arc.
     pub stop_between_arcs: bool,
+    /// Feed out and in again between two arcs.
+    pub release_between_arcs: bool,
     /// Program number of the first mounting; the next mountings count on.
     pub program_number: u32,
 }
 
 impl PathPlan {
-    /// The arcs of a mounting, by its index, in forward sense: those of the strategy, then the free ones.
+    /// The arcs of a mounting, by its index, in forward sense with what is driven beyond them: those of the strategy, then
+    /// the free ones.
+    pub fn arcs(&self, mounting: usize) -> Vec<Arc> {
+        let data = self.data_arcs(mounting).into_iter();
+        data.map(|(arc, overshoot_rad)| arc.beyond(overshoot_rad)).collect()
+    }
+
+    /// The data arcs, each with its overshoot, rad.
     ///
     /// An arc that is listed again has a number behind its name: program and report tell the two apart.
-    pub fn arcs(&self, mounting: usize) -> Vec<Arc> {
+    fn data_arcs(&self, mounting: usize) -> Vec<(Arc, f64)> {
         let free = self.free_arcs.iter().filter(|free| free.mountings.contains(&mounting));
-        let of_strategy = self.strategy.map_or_else(Vec::new, Strategy::arcs);
-        let mut arcs: Vec<Arc> = Vec::new();
-        for mut arc in of_strategy.into_iter().chain(free.map(|free| free.arc.clone())) {
-            let taken = |name: &str| arcs.iter().any(|before| before.name == name);
+        let of_sphere = self.strategy.map_or_else(Vec::new, Strategy::arcs).into_iter();
+        let of_planes = self.planar.iter().flat_map(Planar::arcs);
+        let others = of_sphere.chain(free.map(|free| free.arc.clone())).map(|arc| (arc, 0.0));
+        let mut arcs: Vec<(Arc, f64)> = Vec::new();
+        for (mut arc, overshoot_rad) in of_planes.chain(others) {
+            let taken = |name: &str| arcs.iter().any(|(before, _)| before.name == name);
             if taken(&arc.name) {
                 let mut numbered = (2..).map(|pass| format!("{} {pass}", arc.name));
                 arc.name = numbered.find(|name| !taken(name)).unwrap_or_default();
             }
-            arcs.push(arc);
+            arcs.push((arc, overshoot_rad));
         }
         arcs
     }
 
+    /// The passes of a mounting, by its index, in order: every arc at every feed, there and back.
+    pub(super) fn passes(&self, mounting: usize) -> Vec<Leg> {
+        let mut passes = Vec::new();
+        for (arc, overshoot_rad) in self.data_arcs(mounting) {
+            for &feed_mm_s in &self.feeds_mm_s {
+                let ways = directions_of_travel(&arc, self.planar.is_some());
+                let feed = if self.feeds_mm_s.len() > 1 {
+                    format!(" F{}", (feed_mm_s * 6e4).round() / 1e3)
+                } else {
+                    String::new()
+                };
+                let [there, back] = ways.map(|way| format!("{}{feed} {way}", arc.name));
+                let pass = |arc| Leg { arc, overshoot_rad, feed_mm_s, transit: false };
+                passes.push(pass(Arc { name: there, ..arc.clone() }));
+                if self.both_directions {
+                    passes.push(pass(arc.reversed(&back)));
+                }
+            }
+        }
+        passes
+    }
+
+    /// The lowest feed, mm/s.
+    pub fn slowest_mm_s(&self) -> f64 {
+        self.feeds_mm_s.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// The highest feed, mm/s.
+    pub fn fastest_mm_s(&self) -> f64 {
+        self.feeds_mm_s.iter().copied().fold(0.0, f64::max)
+    }
+
     /// What the strategy is called.
     pub fn strategy_name(&self) -> &'static str {
-        self.strategy.map_or("free", Strategy::name)
+        let planes = self.planar.map(|planar| planar.planes.name());
+        planes.or(self.strategy.map(Strategy::name)).unwrap_or("free")
+    }
+}
+
+/// The two directions of an arc: that of a whole circle or in a coordinate plane is CCW or CW, of another forward or
+/// backward.
+fn directions_of_travel(arc: &Arc, planes: bool) -> [&'static str; 2] {
+    let plane = Plane::of(arc).filter(|_| planes);
+    match plane.map(|plane| arc.sweep_rad * arc.normal[plane.normal()] > 0.0) {
+        Some(true) => ["CCW", "CW"],
+        Some(false) => ["CW", "CCW"],
+        None if arc.is_closed() => ["CCW", "CW"],
+        None => ["FORWARD", "BACKWARD"],
     }
 }
 

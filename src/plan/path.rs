@@ -1,14 +1,24 @@
 //! The path of one mounting: approach, engagement, arcs, transits, release.
 
+use std::f64::consts::TAU;
+
 use nalgebra::{UnitVector3, Vector3};
 
 use super::arc::Arc;
+use super::leg::{Interpolation, Leg};
 use super::parts::PathPlan;
-use super::step::Step;
+use super::plane::Plane;
+use super::step::{Circular, Step};
 use super::test_file::Test;
 use super::ways::Ways;
 use crate::error::{Error, Place, Result};
 use crate::machine::{Axis, Machine};
+
+/// An arc of one block is looked at in steps of this angle, rad; a quarter of a turn is a whole number of them.
+const LOOK_RAD: f64 = TAU / 360.0;
+
+/// More moves than these no program is read with.
+const MOST_CHORDS: usize = 1_000_000;
 
 /// The path of one mounting.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,8 +27,8 @@ pub struct Path {
     pub mounting: usize,
     /// Its steps in order.
     pub steps: Vec<Step>,
-    /// Arcs and transits in the order in which they are driven, each with whether it is a transit.
-    pub arcs: Vec<(Arc, bool)>,
+    /// Arcs and transits in the order in which they are driven.
+    pub legs: Vec<Leg>,
 }
 
 impl Path {
@@ -27,27 +37,36 @@ impl Path {
         let plan = test.plan()?;
         let length_mm = test.bar_of(mounting).length_mm;
         let ways = Ways::of(test, machine, plan, mounting);
-        let mut path = Self { mounting, steps: Vec::new(), arcs: Vec::new() };
-        let mut at: Option<UnitVector3<f64>> = None;
-        for arc in plan.arcs(mounting) {
-            let (forward, backward) = directions_of_travel(&arc);
-            for (index, leg) in [arc.reversed(&backward), Arc { name: forward, ..arc.clone() }]
-                .iter()
-                .rev()
-                .enumerate()
-            {
-                if index == 1 && !plan.both_directions {
-                    continue;
-                }
-                match at {
-                    None => path.steps.extend(ways.engage(&leg.start)),
-                    Some(from) => path.transit(plan, &from, &leg.start, length_mm),
-                }
-                path.drive(leg, false, plan, length_mm);
-                at = Some(leg.at(1.0));
-            }
+        let passes = plan.passes(mounting);
+        let chords = |leg: &Leg| leg.driven().chords(length_mm, plan.chord_sag_mm);
+        let all: usize = passes.iter().map(chords).sum();
+        if plan.interpolation == Interpolation::Chords && all > MOST_CHORDS {
+            return Err(Error::input(format!("the arcs would be {all} chords"))
+                .at(Place::file(test.file()))
+                .hint("a program has a million moves at the most: allow more `chord_sag_um`, or drive fewer arcs"));
         }
-        let Some(end) = at else {
+        let mut path = Self { mounting, steps: Vec::new(), legs: Vec::new() };
+        let mut at: Option<(UnitVector3<f64>, f64)> = None;
+        for leg in passes {
+            let driven = leg.driven();
+            match at {
+                None => {
+                    path.steps.extend(ways.engage(&driven.start, leg.feed_mm_s));
+                    path.steps.push(Step::Dwell(plan.dwell_s));
+                }
+                Some((from, before_mm_s)) => {
+                    path.transit(plan, &from, (&driven.start, leg.feed_mm_s), length_mm);
+                    if plan.release_between_arcs {
+                        let feeds = [before_mm_s, leg.feed_mm_s];
+                        path.steps.extend(ways.again(&driven.start, feeds));
+                        path.steps.push(Step::Dwell(plan.dwell_s));
+                    }
+                }
+            }
+            at = Some((driven.at(1.0), leg.feed_mm_s));
+            path.drive(leg, plan, length_mm);
+        }
+        let Some((end, feed_mm_s)) = at else {
             let name = test.mountings().get(mounting).map_or("", |named| named.name.as_str());
             return Err(Error::input(format!("the plan has no arc for the mounting `{name}`"))
                 .at(Place::file(test.file()))
@@ -56,14 +75,15 @@ impl Path {
                 )));
         };
         path.pause(plan);
-        path.steps.extend(ways.release(&end));
+        path.steps.extend(ways.release(&end, feed_mm_s));
         path.check_travel(test, machine)?;
         Ok(path)
     }
 
     /// A dwell or an operator's stop between two arcs.
     fn pause(&mut self, plan: &PathPlan) {
-        self.steps.push(if plan.stop_between_arcs {
+        // Where the bar is released after every arc, the machine stops there.
+        self.steps.push(if plan.stop_between_arcs && !plan.release_between_arcs {
             Step::Stop("PRESS START TO GO ON")
         } else {
             Step::Dwell(plan.dwell_s)
@@ -75,35 +95,61 @@ impl Path {
         &mut self,
         plan: &PathPlan,
         from: &UnitVector3<f64>,
-        to: &UnitVector3<f64>,
+        (to, feed_mm_s): (&UnitVector3<f64>, f64),
         length_mm: f64,
     ) {
-        let arc = Arc::shortest("TRANSIT", from, to);
-        if arc.sweep_rad * length_mm > 1e-3 {
+        let arc = Arc::transit("TRANSIT", from, to);
+        if arc.sweep_rad.abs() * length_mm > 1e-3 {
             self.pause(plan);
-            self.drive(&arc, true, plan, length_mm);
+            self.drive(Leg { arc, overshoot_rad: 0.0, feed_mm_s, transit: true }, plan, length_mm);
         }
-        let dwell = self.arcs.last().is_some_and(|(_, transit)| *transit);
+        let dwell = self.legs.last().is_some_and(|leg| leg.transit);
         if dwell { self.steps.push(Step::Dwell(plan.dwell_s)) } else { self.pause(plan) }
     }
 
-    /// Drives an arc in chords.
-    fn drive(&mut self, arc: &Arc, transit: bool, plan: &PathPlan, length_mm: f64) {
-        if self.arcs.is_empty() {
-            self.steps.push(Step::Dwell(plan.dwell_s));
+    /// Drives an arc with what belongs to it, without a stop.
+    fn drive(&mut self, leg: Leg, plan: &PathPlan, length_mm: f64) {
+        for (index, piece) in leg.pieces().into_iter().enumerate() {
+            self.steps.push(Step::Comment(piece.name.clone()));
+            if index == 0 {
+                self.steps.push(Step::LookAhead(true));
+            }
+            let arcs = plan.interpolation == Interpolation::Arcs;
+            if let Some(plane) = Plane::of(&piece).filter(|_| arcs) {
+                self.circular(&piece, plane, leg.feed_mm_s, length_mm);
+                continue;
+            }
+            let count = piece.chords(length_mm, plan.chord_sag_mm);
+            let point = |k: usize| piece.at(k as f64 / count as f64).scale(length_mm);
+            self.steps.push(Step::Chords((1..=count).map(point).collect(), leg.feed_mm_s));
         }
-        let count = arc.chords(length_mm, plan.chord_sag_mm);
-        let point = |k: usize| arc.at(k as f64 / count as f64).into_inner() * length_mm;
-        self.steps.push(Step::Comment(arc.name.clone()));
-        self.steps.push(Step::LookAhead(true));
-        self.steps.push(Step::Chords((1..=count).map(point).collect()));
         self.steps.push(Step::LookAhead(false));
-        self.arcs.push((arc.clone(), transit));
+        self.legs.push(leg);
     }
 
-    /// Every point that the path names, in order.
+    /// An arc of a coordinate plane, in blocks of at most a whole turn.
+    fn circular(&mut self, arc: &Arc, plane: Plane, feed_mm_s: f64, length_mm: f64) {
+        let turns = arc.sweep_rad.abs() / TAU;
+        let blocks = (turns - 1e-9).ceil().max(1.0);
+        let sweep_rad = arc.sweep_rad * arc.normal[plane.normal()].signum() / blocks;
+        for block in 0..blocks as usize {
+            let from = block as f64 / blocks;
+            let start_rad = plane.angle_rad(&arc.at(from));
+            let shares = looks(start_rad, sweep_rad).into_iter().chain([1.0]);
+            let point = |share: f64| arc.at(from + share / blocks).scale(length_mm);
+            let arc = Circular { plane, sweep_rad, points: shares.map(point).collect() };
+            self.steps.push(Step::Circular(arc, feed_mm_s));
+        }
+    }
+
+    /// Every point that the path leads through, in order; of an arc some of many.
     pub fn points(&self) -> impl Iterator<Item = &Vector3<f64>> {
         self.steps.iter().flat_map(Step::points)
+    }
+
+    /// Every point that a block of the program ends at, in order.
+    pub fn ends(&self) -> impl Iterator<Item = &Vector3<f64>> {
+        self.steps.iter().flat_map(Step::ends)
     }
 
     /// The same near the balls: without the retracted places, which Z has to reach in any test.
@@ -144,8 +190,13 @@ impl Path {
     }
 }
 
-/// Names of the two directions of an arc: a closed circle is driven CCW and CW, others forward and backward.
-fn directions_of_travel(arc: &Arc) -> (String, String) {
-    let (forward, backward) = if arc.is_closed() { ("CCW", "CW") } else { ("FORWARD", "BACKWARD") };
-    (format!("{} {forward}", arc.name), format!("{} {backward}", arc.name))
+/// Shares of an arc at every whole step of [`LOOK_RAD`] inside of it: its extremes are among them.
+fn looks(start_rad: f64, sweep_rad: f64) -> Vec<f64> {
+    let (first, last) = (start_rad / LOOK_RAD, (start_rad + sweep_rad) / LOOK_RAD);
+    let (low, high) = (first.min(last) + 1e-9, first.max(last) - 1e-9);
+    let mut shares: Vec<f64> = (low.ceil() as i64..=high.floor() as i64)
+        .map(|k| (k as f64 * LOOK_RAD - start_rad) / sweep_rad)
+        .collect();
+    shares.sort_by(f64::total_cmp);
+    shares
 }

@@ -2,7 +2,9 @@
 
 use nalgebra::Vector3;
 
-/// One step of the path. Positions are vectors from the workpiece ball to the tool ball, mm.
+use super::plane::Plane;
+
+/// One step of the path. Positions are vectors from the workpiece ball to the tool ball, mm; feeds are in mm/s.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Step {
     /// A comment in the program.
@@ -13,12 +15,12 @@ pub enum Step {
     Retract(f64),
     /// Positioning at rapid traverse in machine coordinates, whatever the work offset holds, X and Y alone.
     Across(Vector3<f64>),
-    /// A straight move at no more than the speed of an approach.
-    Slow(Vector3<f64>),
-    /// A straight move at the feed of the test.
-    Feed(Vector3<f64>),
-    /// Chords along an arc, without its first point.
-    Chords(Vec<Vector3<f64>>),
+    /// A straight move at a feed.
+    Feed(Vector3<f64>, f64),
+    /// Chords along an arc, without its first point, at a feed.
+    Chords(Vec<Vector3<f64>>, f64),
+    /// A circular arc at a feed.
+    Circular(Circular, f64),
     /// Stand still, s.
     Dwell(f64),
     /// Wait for the operator, with what he is asked to do.
@@ -29,15 +31,34 @@ pub enum Step {
     LookAhead(bool),
 }
 
+/// A circular arc of one block, at most a whole turn, about the axis of its plane through the workpiece ball.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Circular {
+    /// The plane that it is parallel to.
+    pub plane: Plane,
+    /// Angle from start to end, CCW in its plane, rad: G03 positive, G02 negative.
+    pub sweep_rad: f64,
+    /// Points on the way, as near to each other as the travel and what stands around ask for; the last one is its end, mm.
+    pub points: Vec<Vector3<f64>>,
+}
+
 impl Step {
-    /// The points that it names, in order.
+    /// The points that it leads through, in order; those of an arc are some of many.
     pub fn points(&self) -> &[Vector3<f64>] {
         match self {
-            Self::Rapid(point) | Self::Across(point) | Self::Slow(point) | Self::Feed(point) => {
+            Self::Rapid(point) | Self::Across(point) | Self::Feed(point, _) => {
                 std::slice::from_ref(point)
             }
-            Self::Chords(points) => points,
+            Self::Chords(points, _) | Self::Circular(Circular { points, .. }, _) => points,
             _ => &[],
+        }
+    }
+
+    /// The points that blocks of the program end at, in order.
+    pub fn ends(&self) -> &[Vector3<f64>] {
+        match self {
+            Self::Circular(arc, _) => &arc.points[arc.points.len().saturating_sub(1)..],
+            _ => self.points(),
         }
     }
 }

@@ -23,7 +23,7 @@ const SLOW_MM: f64 = 50.0;
 pub const BAR_STOPS: usize = 4;
 
 /// The speed of an approach in a test of a feed, mm/s.
-pub fn approach_mm_s(feed_mm_s: f64) -> f64 {
+fn approach_mm_s(feed_mm_s: f64) -> f64 {
     feed_mm_s.min(APPROACH_MM_S)
 }
 
@@ -39,6 +39,8 @@ pub(super) struct Ways {
     /// The same above the workpiece ball, mm.
     top_mm: f64,
     settle_s: f64,
+    /// Speed near the balls, mm/s.
+    approach_mm_s: f64,
 }
 
 impl Ways {
@@ -52,6 +54,7 @@ impl Ways {
             retract_mm,
             top_mm: retract_mm - test.mountings()[mounting].mounting.coincidence_mm.z,
             settle_s: plan.settle_s,
+            approach_mm_s: approach_mm_s(plan.slowest_mm_s()),
         }
     }
 
@@ -72,7 +75,7 @@ impl Ways {
 
     /// Retracts, crosses, lets the operator compare, comes down outside of the bar's range with every slide moving,
     /// then feeds in along the radius.
-    pub(super) fn engage(&self, start: &UnitVector3<f64>) -> Vec<Step> {
+    pub(super) fn engage(&self, start: &UnitVector3<f64>, feed_mm_s: f64) -> Vec<Step> {
         let outside = start.into_inner() * self.outside_mm;
         // Beyond along the radius, and aside wherever the radius alone would not move a slide enough.
         let aside = start.map(|s| {
@@ -98,32 +101,47 @@ impl Ways {
         if slow.z < self.top_mm {
             steps.push(Step::Rapid(slow));
         }
-        steps.push(Step::Slow(beside));
+        steps.push(Step::Feed(beside, self.approach_mm_s));
         if beside != beyond {
-            steps.push(Step::Slow(beyond));
+            steps.push(Step::Feed(beyond, self.approach_mm_s));
         }
-        steps.extend([
-            Step::Slow(outside),
-            Step::Stop("FIT BALL-BAR"),
+        steps.extend([Step::Feed(outside, self.approach_mm_s), Step::Stop("FIT BALL-BAR")]);
+        steps.extend(self.feed_in(start, feed_mm_s));
+        steps
+    }
+
+    fn feed_in(&self, start: &UnitVector3<f64>, feed_mm_s: f64) -> [Step; 3] {
+        [
             Step::Dwell(self.settle_s),
             Step::Comment("ENGAGE".into()),
-            Step::Feed(start.into_inner() * self.length_mm),
-        ]);
+            Step::Feed(start.into_inner() * self.length_mm, feed_mm_s),
+        ]
+    }
+
+    fn feed_out(&self, end: &UnitVector3<f64>, feed_mm_s: f64) -> [Step; 3] {
+        [
+            Step::Comment("RELEASE".into()),
+            Step::Feed(end.into_inner() * self.outside_mm, feed_mm_s),
+            Step::Dwell(self.settle_s),
+        ]
+    }
+
+    /// Feeds out along the radius, lets the operator see that the bar still is on both balls, and feeds in again.
+    pub(super) fn again(&self, at: &UnitVector3<f64>, [out_mm_s, in_mm_s]: [f64; 2]) -> Vec<Step> {
+        let mut steps = self.feed_out(at, out_mm_s).to_vec();
+        steps.push(Step::Stop("SEE THAT BALL-BAR IS FITTED"));
+        steps.extend(self.feed_in(at, in_mm_s));
         steps
     }
 
     /// Feeds out along the radius, lets the operator take the bar off, and retracts.
-    pub(super) fn release(&self, end: &UnitVector3<f64>) -> Vec<Step> {
+    pub(super) fn release(&self, end: &UnitVector3<f64>, feed_mm_s: f64) -> Vec<Step> {
         let outside = end.into_inner() * self.outside_mm;
-        let mut steps = vec![
-            Step::Comment("RELEASE".into()),
-            Step::Feed(outside),
-            Step::Dwell(self.settle_s),
-            Step::Stop("TAKE BALL-BAR OFF"),
-        ];
+        let mut steps = self.feed_out(end, feed_mm_s).to_vec();
+        steps.push(Step::Stop("TAKE BALL-BAR OFF"));
         let beside = self.beside(&outside);
         if beside != outside {
-            steps.push(Step::Slow(beside));
+            steps.push(Step::Feed(beside, self.approach_mm_s));
         }
         if self.top_mm > beside.z {
             steps.push(Step::Rapid(self.above(&beside)));

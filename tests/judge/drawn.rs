@@ -106,8 +106,8 @@ pub(crate) fn test(random: &mut Pcg64Mcg, travel_mm: &[[f64; 2]; 3]) -> String {
     source.push_str("[plan]\n");
     let _ = write!(
         source,
-        "feed_mm_min = {:.1}\nchord_sag_um = {:.1}\ndwell_s = {:.1}\nsettle_s = {:.1}\nboth_directions = {}\nstop_between_arcs = {}\nprogram_number = {}\n",
-        one_of(random, &[1.0, 50.0, 500.0, 500.0, 1000.0, 2000.0, 7000.0, 20_000.0]),
+        "feed_mm_min = {}\nchord_sag_um = {:.1}\ndwell_s = {:.1}\nsettle_s = {:.1}\nboth_directions = {}\nstop_between_arcs = {}\nprogram_number = {}\n",
+        feeds(random),
         between(random, 10.0, 100.0),
         between(random, 0.1, 6.0),
         between(random, 0.1, 6.0),
@@ -119,8 +119,17 @@ pub(crate) fn test(random: &mut Pcg64Mcg, travel_mm: &[[f64; 2]; 3]) -> String {
         let more_mm = one_of(random, &[0.001, 0.02, 0.1, 1.0, 3.0, 10.0]);
         let _ = writeln!(source, "feed_in_mm = {:.3}", range_mm + more_mm);
     }
-    let strategy = random.random_bool(0.6);
-    if strategy {
+    if random.random_bool(0.3) {
+        let release = random.random_bool(0.5);
+        let _ = writeln!(source, "release_between_arcs = {release}");
+    }
+    if random.random_bool(0.3) {
+        let _ = writeln!(source, "interpolation = \"{}\"", one_of(random, &["arcs", "chords"]));
+    }
+    let strategy = random.random_bool(0.7);
+    if strategy && random.random_bool(0.6) {
+        planes(random, &mut source);
+    } else if strategy {
         let name = one_of(random, &["2d", "3d5", "3d6", "3d10"]);
         let _ = writeln!(source, "strategy = \"{name}\"");
     }
@@ -130,6 +139,38 @@ pub(crate) fn test(random: &mut Pcg64Mcg, travel_mm: &[[f64; 2]; 3]) -> String {
         arc(random, &mut source);
     }
     source
+}
+
+/// One feed, or two.
+fn feeds(random: &mut Pcg64Mcg) -> String {
+    let slow = one_of(random, &[1.0, 50.0, 500.0, 500.0, 1000.0, 2000.0, 7000.0, 20_000.0]);
+    if random.random_bool(0.7) {
+        return format!("{slow:.1}");
+    }
+    let other = slow + between(random, -0.5 * slow, 2000.0).max(0.1);
+    let [first, second] = if random.random_bool(0.5) { [slow, other] } else { [other, slow] };
+    format!("[{first:.1}, {second:.1}]")
+}
+
+/// Circles in planes: what everybody drives, and what nobody has thought of.
+fn planes(random: &mut Pcg64Mcg, source: &mut String) {
+    let name = one_of(random, &["xy", "yz", "zx", "iso230-4"]);
+    let _ = writeln!(source, "strategy = \"{name}\"");
+    if random.random_bool(0.6) {
+        let any_deg = between(random, 1.0, 360.0);
+        let sweep_deg = one_of(random, &[360.0, 220.0, 180.0, 90.0, 1.0, 359.9, any_deg]);
+        let _ = writeln!(source, "sweep_deg = {sweep_deg:.1}");
+    }
+    if random.random_bool(0.4) {
+        let any_deg = between(random, -360.0, 360.0);
+        let start_deg = one_of(random, &[0.0, 45.0, 90.0, 180.0, -90.0, any_deg]);
+        let _ = writeln!(source, "start_deg = {start_deg:.1}");
+    }
+    if random.random_bool(0.5) {
+        let any_deg = between(random, 0.0, 720.0);
+        let overshoot_deg = one_of(random, &[0.0, 0.1, 2.0, 45.0, 180.0, 360.0, any_deg]);
+        let _ = writeln!(source, "overshoot_deg = {overshoot_deg:.1}");
+    }
 }
 
 fn arc(random: &mut Pcg64Mcg, source: &mut String) {

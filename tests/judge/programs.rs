@@ -91,6 +91,9 @@ pub(crate) fn programs() -> Vec<Program> {
         "chord_sag_um = 50.0\nstop_between_arcs = true\n[[plan.arc]]\nkind = \"equator\"\nazimuth_deg = 30.0",
         "chord_sag_um = 50.0\n[[plan.arc]]\nkind = \"meridian\"\nstart_deg = 20.0\nsweep_deg = 120.0",
         "chord_sag_um = 50.0\n[[plan.arc]]\nkind = \"meridian\"\nazimuth_deg = 90.0",
+        "strategy = \"xy\"",
+        "strategy = \"iso230-4\"\nchord_sag_um = 80.0",
+        "strategy = \"zx\"\ninterpolation = \"chords\"\nchord_sag_um = 40.0\nsweep_deg = 180.0",
     ];
     let mut programs = Vec::new();
     for (file, place) in
@@ -107,7 +110,7 @@ pub(crate) fn programs() -> Vec<Program> {
                 let written = Program::written(&test, &machine, 0);
                 let mut program = written.unwrap_or_else(|told| panic!("{plan}: {told}"));
                 program.name = format!("{file} {dialect} {keys:?} plan {index}");
-                if index >= 4 && keys.ends_with('0') && !keys.contains("memory") {
+                if (4..7).contains(&index) && keys.ends_with('0') && !keys.contains("memory") {
                     let by_radius = index % 2 == 0;
                     let text = in_arcs(&program.text, program.setting.length_mm, by_radius);
                     // The plane that the first blocks state is not stated again, if nothing else was.

@@ -32,7 +32,7 @@ impl Setting {
             offset: named.work_offset,
             length_mm: named.bar_length_mm,
             range_mm: test.ball_bar().range_mm,
-            feed_mm_s: test.plan().map_or(0.0, |plan| plan.feed_mm_s),
+            feed_mm_s: test.plan().map_or(0.0, ballbar::plan::PathPlan::fastest_mm_s),
         }
     }
 

@@ -100,7 +100,8 @@ impl<'a> Walk<'a> {
 
     fn fit(&mut self) {
         let distance_mm = distance_mm(self.at_mm, self.setting.centre_mm);
-        if self.bar != Bar::Off {
+        // One that hangs loose is put back.
+        if !matches!(self.bar, Bar::Off | Bar::Loose) {
             return;
         }
         if distance_mm > self.setting.longest_mm() + FIT_MM

@@ -25,7 +25,7 @@ fn sphere() -> Sphere {
         length_mm: 150.0,
         range_mm: 1.2,
         chord_sag_mm: Some(0.0004),
-        feed_mm_s: Some(500.0 / 60.0),
+        feeds_mm_s: vec![500.0 / 60.0],
     }
 }
 

@@ -5,5 +5,6 @@
 mod broken;
 mod cases;
 mod outside;
+mod planes;
 mod rs274;
 mod written;

@@ -6,6 +6,9 @@ use std::process::Command;
 pub(crate) struct Canon {
     /// End points of moves in program coordinates, mm.
     pub(crate) ends_mm: Vec<[f64; 3]>,
+    /// Of those moves that are arcs: the index of the end, the centre in program coordinates, mm, and the turns begun,
+    /// CCW above 0.
+    pub(crate) arcs: Vec<(usize, [f64; 3], f64)>,
     /// Sum of the dwells, s.
     pub(crate) dwell_s: f64,
     /// How often it stops.
@@ -26,7 +29,10 @@ pub(crate) fn interpret(program: &str) -> Result<Canon, String> {
         let told = String::from_utf8_lossy(&output.stderr).replace("executing\n", "");
         return Err(told.lines().next().unwrap_or("no message").to_owned());
     }
-    let mut canon = Canon { ends_mm: Vec::new(), dwell_s: 0.0, stops: 0, ended: false };
+    let mut canon =
+        Canon { ends_mm: Vec::new(), arcs: Vec::new(), dwell_s: 0.0, stops: 0, ended: false };
+    // The axis that is normal to the plane of arcs.
+    let mut normal = 2;
     for line in String::from_utf8_lossy(&output.stdout).lines() {
         let Some((call, rest)) = line.split_once('(') else { continue };
         let numbers = || {
@@ -37,6 +43,22 @@ pub(crate) fn interpret(program: &str) -> Result<Canon, String> {
             "STRAIGHT_FEED" | "STRAIGHT_TRAVERSE" => {
                 let at = numbers();
                 canon.ends_mm.push([at[0], at[1], at[2]]);
+            }
+            "SELECT_PLANE" => {
+                normal = match rest {
+                    plane if plane.contains("PLANE_YZ") => 0,
+                    plane if plane.contains("PLANE_XZ") => 1,
+                    _ => 2,
+                };
+            }
+            "ARC_FEED" => {
+                let arc = numbers();
+                let (first, second) = ((normal + 1) % 3, (normal + 2) % 3);
+                let (mut end_mm, mut centre_mm) = ([0.0; 3], [0.0; 3]);
+                (end_mm[first], end_mm[second], end_mm[normal]) = (arc[0], arc[1], arc[5]);
+                (centre_mm[first], centre_mm[second], centre_mm[normal]) = (arc[2], arc[3], arc[5]);
+                canon.arcs.push((canon.ends_mm.len(), centre_mm, arc[4]));
+                canon.ends_mm.push(end_mm);
             }
             "DWELL" => canon.dwell_s += numbers()[0],
             "PROGRAM_STOP" => canon.stops += 1,

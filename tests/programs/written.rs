@@ -11,7 +11,7 @@ use ballbar::plan::{BAR_STOPS, Part, Path, Test};
 use crate::outside::{found_or_skipped, installed};
 use crate::rs274;
 
-fn machine(name: &str, decimals: usize) -> Machine {
+pub(crate) fn machine(name: &str, decimals: usize) -> Machine {
     let file = FilePath::new(env!("CARGO_MANIFEST_DIR")).join("machines").join(name);
     let source = std::fs::read_to_string(&file).unwrap();
     let source = source.replace("decimals = 3", &format!("decimals = {decimals}"));
@@ -19,7 +19,7 @@ fn machine(name: &str, decimals: usize) -> Machine {
     Machine::parse(&source, &file).unwrap()
 }
 
-fn test(coincidence: &str, plan: &str) -> Test {
+pub(crate) fn test(coincidence: &str, plan: &str) -> Test {
     let source = format!(
         "name = \"t\"\nmachine = \"m.toml\"\n[ball_bar]\nlength_mm = 150.0\n[[mounting]]\nname = \"A\"\n\
          coincidence_mm = {coincidence}\ntool_ball_mm = [0.0, 0.0, -200.0]\n[plan]\nfeed_mm_min = 500.0\n{plan}\n"
@@ -27,7 +27,12 @@ fn test(coincidence: &str, plan: &str) -> Test {
     Test::parse(&source, "t.toml".as_ref()).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn dialect(name: &str, decimals: usize, dialect: &str, memory_kb: Option<f64>) -> Machine {
+pub(crate) fn dialect(
+    name: &str,
+    decimals: usize,
+    dialect: &str,
+    memory_kb: Option<f64>,
+) -> Machine {
     let machine = machine(name, decimals);
     let source = std::fs::read_to_string(machine.file()).unwrap();
     let keys = memory_kb.map_or(String::new(), |memory| format!("memory_kb = {memory:.1}\n"));
@@ -39,7 +44,10 @@ fn dialect(name: &str, decimals: usize, dialect: &str, memory_kb: Option<f64>) -
     Machine::parse(&source, machine.file()).unwrap()
 }
 
-fn written_and_read(machine: &Machine, test: &Test) -> (nc::Program, nc::ReadBack, String) {
+pub(crate) fn written_and_read(
+    machine: &Machine,
+    test: &Test,
+) -> (nc::Program, nc::ReadBack, String) {
     let path = Path::plan(test, machine, 0).unwrap_or_else(|error| panic!("{error}"));
     let text = nc::write(test, machine, &path).unwrap();
     let mut reading = nc::Reading::of(machine);
@@ -251,7 +259,7 @@ fn free_arcs_stay_on_the_sphere() {
     let test = test("[20.0, -35.0, 40.0]", plan);
     let path = Path::plan(&test, &machine, 0).unwrap();
     let chords = path.steps.iter().filter_map(|step| match step {
-        ballbar::plan::Step::Chords(points) => Some(points),
+        ballbar::plan::Step::Chords(points, _) => Some(points),
         _ => None,
     });
     let mut count = 0;
@@ -299,7 +307,7 @@ fn an_arc_may_belong_to_one_mounting_and_be_driven_twice() {
     );
     let names = |mounting: usize| -> Vec<String> {
         let path = Path::plan(&test, &machine, mounting).unwrap();
-        path.arcs.into_iter().map(|(arc, _)| arc.name).filter(|name| name != "TRANSIT").collect()
+        path.legs.into_iter().map(|leg| leg.arc.name).filter(|name| name != "TRANSIT").collect()
     };
     let ring = ["RING FORWARD", "RING BACKWARD", "RING 2 FORWARD", "RING 2 BACKWARD"];
     assert_eq!(names(0), ring);

@@ -10,9 +10,12 @@ use crate::seeds::{self, joined, parts};
 pub const TARGET: Target = Target {
     name: "plan",
     seeds: || {
-        [(seeds::FULL_MACHINE, seeds::SHORT_TEST), (seeds::OTHER_MACHINE, seeds::OTHER_TEST)]
-            .map(|(machine, test)| joined(&[machine.as_bytes(), test.as_bytes()]))
-            .into()
+        let both = [
+            (seeds::FULL_MACHINE, seeds::SHORT_TEST),
+            (seeds::OTHER_MACHINE, seeds::OTHER_TEST),
+            (seeds::OTHER_MACHINE, seeds::PLANES_TEST),
+        ];
+        both.map(|(machine, test)| joined(&[machine.as_bytes(), test.as_bytes()])).into()
     },
     words: test::WORDS,
     made: &[],

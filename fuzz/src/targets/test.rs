@@ -46,6 +46,14 @@ pub const WORDS: &[&str] = &[
     "3d5",
     "3d6",
     "3d10",
+    "xy",
+    "yz",
+    "zx",
+    "iso230-4",
+    "overshoot_deg",
+    "interpolation",
+    "arcs",
+    "chords",
     "feed_mm_min",
     "chord_sag_um",
     "dwell_s",
@@ -53,6 +61,7 @@ pub const WORDS: &[&str] = &[
     "feed_in_mm",
     "both_directions",
     "stop_between_arcs",
+    "release_between_arcs",
     "program_number",
     "arc",
     "kind",
@@ -117,7 +126,7 @@ pub const WORDS: &[&str] = &[
 
 pub fn seeds() -> Vec<Vec<u8>> {
     let mut seeds = seeds::all_of_project("tests/data", "test.toml");
-    let texts = [seeds::FULL_TEST, seeds::SHORT_TEST, seeds::OTHER_TEST];
+    let texts = [seeds::FULL_TEST, seeds::SHORT_TEST, seeds::OTHER_TEST, seeds::PLANES_TEST];
     seeds.extend(texts.map(|text| text.as_bytes().to_vec()));
     seeds
 }

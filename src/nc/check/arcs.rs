@@ -16,9 +16,8 @@ const SAME: f64 = 1e-3;
 impl Walk<'_, '_> {
     /// With the bar fitted, nothing goes faster than planned.
     pub(super) fn too_fast(&mut self, step: &Step, motion: &Move) {
-        if let Some(planned) = self.sphere.feed_mm_s
-            && motion.feed_mm_s > planned * (1.0 + SAME)
-        {
+        let fastest = self.sphere.feeds_mm_s.iter().copied().reduce(f64::max);
+        if let Some(planned) = fastest.filter(|feed| motion.feed_mm_s > feed * (1.0 + SAME)) {
             let what = format!(
                 "{:.1} mm/min with the bar fitted, and the test file says {:.1} mm/min",
                 motion.feed_mm_s * 60.0,
@@ -105,13 +104,15 @@ impl Walk<'_, '_> {
                 "the control cannot keep the feed: lower it, or allow more sag".to_owned(),
             ));
         }
-        if let Some(planned) = self.sphere.feed_mm_s
-            && motion.feed_mm_s < planned * (1.0 - SAME)
+        let feeds = &self.sphere.feeds_mm_s;
+        if !feeds.is_empty()
+            && feeds.iter().all(|feed| (motion.feed_mm_s / feed - 1.0).abs() > SAME)
         {
+            let planned: Vec<String> = feeds.iter().map(|f| format!("{:.1}", f * 60.0)).collect();
             told.push((
                 "feed",
                 format!("an arc at {:.1} mm/min", motion.feed_mm_s * 60.0),
-                format!("the test file says {:.1} mm/min", planned * 60.0),
+                format!("the test file says {} mm/min", planned.join(" and ")),
             ));
         }
         for (rule, what, hint) in told {

@@ -19,8 +19,8 @@ pub struct Sphere {
     pub range_mm: f64,
     /// Largest sagitta of a chord that was planned, mm.
     pub chord_sag_mm: Option<f64>,
-    /// Feed on the arcs that was planned, mm/s.
-    pub feed_mm_s: Option<f64>,
+    /// Feeds on the arcs that were planned, mm/s; none without a plan.
+    pub feeds_mm_s: Vec<f64>,
 }
 
 impl Sphere {
@@ -33,7 +33,7 @@ impl Sphere {
             length_mm: bar.length_mm,
             range_mm: bar.range_mm,
             chord_sag_mm: plan.map(|plan| plan.chord_sag_mm),
-            feed_mm_s: plan.map(|plan| plan.feed_mm_s),
+            feeds_mm_s: plan.map_or_else(Vec::new, |plan| plan.feeds_mm_s.clone()),
         })
     }
 

@@ -63,6 +63,8 @@ pub struct TestOutlook {
     pub strategy: &'static str,
     /// Feed on the arcs, mm/min.
     pub feed_mm_min: f64,
+    /// All feeds on the arcs, mm/min.
+    pub feeds_mm_min: Vec<f64>,
     /// What is assumed of the operator.
     pub operator: OperatorFacts,
     /// The mountings.

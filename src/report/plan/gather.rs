@@ -84,7 +84,8 @@ fn test_outlook(planned: &Planned, repeated: Repeated) -> TestOutlook {
         correlated_um: outlook.bar.correlated_mm * 1e3,
         correlation_s: outlook.bar.correlation_s,
         strategy: outlook.strategy,
-        feed_mm_min: outlook.feed_mm_s * 60.0,
+        feed_mm_min: outlook.feeds_mm_s.first().map_or(0.0, |feed| feed * 60.0),
+        feeds_mm_min: outlook.feeds_mm_s.iter().map(|feed| feed * 60.0).collect(),
         operator: OperatorFacts {
             set_up_min: outlook.operator.set_up_s / 60.0,
             fit_bar_min: outlook.operator.fit_bar_s / 60.0,
@@ -111,7 +112,7 @@ fn test_outlook(planned: &Planned, repeated: Repeated) -> TestOutlook {
 
 fn mounting(outlook: &design::MountingOutlook, machine: &Machine) -> MountingOutlook {
     let path = &outlook.program.path;
-    let transits = path.arcs.iter().filter(|(_, transit)| *transit).count();
+    let transits = path.legs.iter().filter(|leg| leg.transit).count();
     let travel = Axis::ALL.map(|axis| {
         let [low, high] = outlook.used_mm[axis.index()];
         let limits_mm = machine.slide(axis).travel_mm;
@@ -130,7 +131,7 @@ fn mounting(outlook: &design::MountingOutlook, machine: &Machine) -> MountingOut
         coincidence_mm: outlook.named.mounting.coincidence_mm.into(),
         tool_ball_mm: outlook.named.mounting.tool_ball_mm.into(),
         bar_length_mm: outlook.named.bar_length_mm,
-        arcs: path.arcs.len() - transits,
+        arcs: path.legs.len() - transits,
         transits,
         arcs_mm: outlook.arcs_mm,
         transits_mm: outlook.transits_mm,

@@ -22,7 +22,7 @@ pub(super) fn under_title(test: &TestOutlook) -> String {
         test.machine.topology,
         bars.join(" and "),
         test.strategy,
-        fixed(test.feed_mm_min, 0),
+        list(test.feeds_mm_min.iter().map(|feed| fixed(*feed, 0))),
         many(test.mountings.len(), "mounting")
     )
 }

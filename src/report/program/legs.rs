@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use crate::motion::{Block, Trajectory};
 use crate::nc::Sphere;
+use crate::plan::OVERSHOOT;
 use crate::report::draw::svg::thinned;
 use crate::report::text::numbers::fixed;
 
@@ -66,9 +67,10 @@ fn leg(
     passes: &mut usize,
 ) -> Leg {
     let name = trajectory.label(first).to_owned();
-    let transit = name == "TRANSIT";
-    *passes += usize::from(!transit);
-    let class = match (transit, *passes % 2) {
+    // What is driven beyond an arc is drawn as the ways are.
+    let beside = name == "TRANSIT" || name.ends_with(OVERSHOOT);
+    *passes += usize::from(!beside);
+    let class = match (beside, *passes % 2) {
         (true, _) => "transit",
         (false, 1) => "forward",
         (false, _) => "backward",

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::design::MountingOutlook;
-use crate::plan::Arc;
+use crate::plan::{Arc, Leg as Driven};
 use crate::report::draw::svg::{Anchor, Drawing, text_width};
 
 /// Radius of the sphere, pixels.
@@ -33,14 +33,14 @@ pub(in crate::report::plan) struct Circle {
 /// The drawing, and the circles for its legend.
 pub(in crate::report::plan) fn sphere(mounting: &MountingOutlook) -> (String, Vec<Circle>) {
     let path = &mounting.program.path;
-    let below = path.arcs.iter().any(|(arc, _)| points(arc).iter().any(|p| p.z < -0.05));
+    let below = path.legs.iter().any(|leg| points(&leg.arc).iter().any(|p| p.z < -0.05));
     let mut view = View::new(below);
     view.globe(below);
     view.axes();
-    let legs = legs(&path.arcs);
-    for (arc, transit) in &path.arcs {
-        if *transit {
-            view.line(&points(arc), 1.025, "transit-line");
+    let legs = legs(&path.legs);
+    for leg in &path.legs {
+        if leg.transit {
+            view.line(&points(&leg.arc), 1.025, "transit-line");
         }
     }
     for leg in &legs {
@@ -48,8 +48,8 @@ pub(in crate::report::plan) fn sphere(mounting: &MountingOutlook) -> (String, Ve
             view.line(&points(leg.arc), 1.0, &format!("path s{}", leg.circle % COLOURS));
         }
     }
-    if let Some((first, _)) = path.arcs.first() {
-        view.engagement(&first.start);
+    if let Some(first) = path.legs.first() {
+        view.engagement(&first.driven().start);
     }
     for (number, leg) in legs.iter().enumerate() {
         view.arrow(number + 1, leg, &legs);
@@ -71,9 +71,9 @@ struct Leg<'a> {
 }
 
 /// The arcs without the ways between them; the same arc driven back lies on the same circle.
-fn legs(arcs: &[(Arc, bool)]) -> Vec<Leg<'_>> {
+fn legs(driven: &[Driven]) -> Vec<Leg<'_>> {
     let mut legs: Vec<Leg<'_>> = Vec::new();
-    for (arc, _) in arcs.iter().filter(|(_, transit)| !transit) {
+    for Driven { arc, .. } in driven.iter().filter(|leg| !leg.transit) {
         let last = legs.last();
         let back = last.is_some_and(|last| {
             last.first_of_circle
