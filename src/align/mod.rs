@@ -15,6 +15,7 @@
 
 mod breaks;
 mod clipped;
+mod data_arc;
 mod draft;
 mod engagement;
 mod following;

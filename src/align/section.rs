@@ -2,9 +2,11 @@
 
 use nalgebra::Vector3;
 
+use super::data_arc;
 use super::run::Rig;
 use crate::motion::{Block, BlockKind, Trajectory};
 use crate::nc::{Move, Path};
+use crate::plan::Plane;
 
 /// The circle that a section lies on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,6 +18,8 @@ pub enum Circle {
         /// Azimuth, degrees.
         azimuth_deg: f64,
     },
+    /// The largest circle in a coordinate plane, of a program that drives only such.
+    Plane(Plane),
     /// Any other.
     Other {
         /// Axis of the circle.
@@ -27,7 +31,7 @@ pub enum Circle {
 
 impl Circle {
     /// Angle of a direction on the circle, rad: the azimuth on the equator; on a meridian 0 on the
-    /// equator at its azimuth, pi/2 at the pole.
+    /// equator at its azimuth, pi/2 at the pole; in a plane from its first axis.
     pub fn angle_rad(&self, direction: &Vector3<f64>) -> f64 {
         let angle = match self {
             Self::Equator => direction.y.atan2(direction.x),
@@ -35,6 +39,7 @@ impl Circle {
                 let (sin, cos) = azimuth_deg.to_radians().sin_cos();
                 direction.z.atan2(direction.x * cos + direction.y * sin)
             }
+            Self::Plane(plane) => plane.angle_rad(direction),
             Self::Other { normal, zero } => {
                 normal.cross(zero).dot(direction).atan2(zero.dot(direction))
             }
@@ -47,6 +52,7 @@ impl Circle {
         match self {
             Self::Equator => "Equator".into(),
             Self::Meridian { azimuth_deg } => format!("Meridian {azimuth_deg:.0}\u{b0}"),
+            Self::Plane(plane) => format!("{} plane", plane.name()),
             Self::Other { normal, .. } => {
                 // Plus zero: -0 is 0.
                 let [x, y, z] =
@@ -60,6 +66,7 @@ impl Circle {
     pub fn is_same(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Equator, Self::Equator) => true,
+            (Self::Plane(a), Self::Plane(b)) => a == b,
             (Self::Meridian { azimuth_deg: a }, Self::Meridian { azimuth_deg: b }) => {
                 let apart = (a - b).abs() % 180.0;
                 apart.min(180.0 - apart) < 1.0
@@ -68,7 +75,26 @@ impl Circle {
             _ => false,
         }
     }
+
+    /// The coordinate plane that it is the largest circle of, and whether what is forward on it is CCW there.
+    fn plane(&self) -> Option<(Plane, bool)> {
+        match self {
+            Self::Equator => Some((Plane::Xy, true)),
+            // From the azimuth to the pole: X to Z is CW in ZX, Y to Z is CCW in YZ.
+            Self::Meridian { azimuth_deg } if *azimuth_deg < IN_PLANE_DEG => {
+                Some((Plane::Zx, false))
+            }
+            Self::Meridian { azimuth_deg } if (azimuth_deg - 90.0).abs() < IN_PLANE_DEG => {
+                Some((Plane::Yz, true))
+            }
+            Self::Plane(plane) => Some((*plane, true)),
+            Self::Meridian { .. } | Self::Other { .. } => None,
+        }
+    }
 }
+
+/// A meridian within this angle of a coordinate plane is meant to lie in it, degrees: its azimuth has one decimal.
+const IN_PLANE_DEG: f64 = 0.15;
 
 /// One arc or transit.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,7 +103,7 @@ pub struct Section {
     pub name: String,
     /// The circle.
     pub circle: Circle,
-    /// Forward: CCW seen from the circle's axis; on a meridian from its azimuth over the pole.
+    /// Forward: CCW seen from the circle's axis, in a plane as ISO 841 has it; on a meridian from its azimuth over the pole.
     pub forward: bool,
     /// A way to the next arc rather than an arc.
     pub transit: bool,
@@ -87,8 +113,28 @@ pub struct Section {
     pub end_s: f64,
     /// Angle that it covers, rad.
     pub sweep_rad: f64,
+    /// When its data arc begins and ends, s of program time: that part which is measured for its own sake. What is driven on
+    /// the same circle before and after it is overshoot.
+    pub data_s: [f64; 2],
     /// Feed, mm/s.
     pub feed_mm_s: f64,
+}
+
+impl Section {
+    /// In what direction it is driven, in words.
+    pub fn direction(&self) -> &'static str {
+        match (self.circle, self.forward) {
+            (Circle::Plane(_), true) => "CCW",
+            (Circle::Plane(_), false) => "CW",
+            (_, true) => "forward",
+            (_, false) => "backward",
+        }
+    }
+
+    /// Whether a moment of program time is on its data arc.
+    pub fn is_data(&self, program_s: f64) -> bool {
+        (self.data_s[0]..=self.data_s[1]).contains(&program_s)
+    }
 }
 
 /// A section leaves the sphere by no more than this, mm: coarse chords do, feed-ins do not.
@@ -124,15 +170,42 @@ pub(super) fn sections(trajectory: &Trajectory, rig: &Rig) -> Vec<Section> {
                 && (other.sweep_rad - section.sweep_rad).abs() < 0.1
         })
     };
+    // Our programs say so.
+    let told = |section: &Section| section.name == "TRANSIT";
     let transits: Vec<bool> =
-        sections.iter().map(|s| s.sweep_rad < 1.6 && !driven_back(s)).collect();
+        sections.iter().map(|s| told(s) || (s.sweep_rad < 1.6 && !driven_back(s))).collect();
     // A plan of short one-way arcs has no transits among them that could be told.
     if transits.iter().any(|transit| !transit) {
         for (section, transit) in sections.iter_mut().zip(transits) {
             section.transit = transit;
         }
     }
+    if sections.iter().all(|section| section.transit || section.circle.plane().is_some()) {
+        sections.iter_mut().for_each(in_plane);
+    }
     sections
+}
+
+/// Calls a circle of a coordinate plane by it: nobody who tests planes thinks of an equator.
+fn in_plane(section: &mut Section) {
+    let Some((plane, same)) = section.circle.plane() else { return };
+    let told = unnamed(section);
+    section.forward = section.forward == same;
+    section.circle = Circle::Plane(plane);
+    if section.name == told {
+        section.name = unnamed(section);
+    }
+}
+
+/// What a section is called that has no name in the program.
+fn unnamed(section: &Section) -> String {
+    let sense = match (section.circle, section.forward) {
+        (Circle::Meridian { .. }, true) => "forward",
+        (Circle::Meridian { .. }, false) => "backward",
+        (_, true) => "CCW",
+        (_, false) => "CW",
+    };
+    format!("{} {sense}", section.circle.name())
 }
 
 /// A few dozen points of a section: enough for its plane, few enough that rounding does not show.
@@ -185,30 +258,26 @@ fn section(trajectory: &Trajectory, begin: usize, end: usize, rig: &Rig) -> Opti
         let zero = radius(from).try_normalize(1e-9)?;
         (Circle::Other { normal: axis, zero }, upwards)
     };
-    // A comment that was there before this arc, on an M00 say, is not its name.
-    let own = begin == 0 || trajectory.blocks()[begin - 1].label != blocks[0].label;
-    let label = if own { trajectory.label(&blocks[0]) } else { "" };
     let longest = blocks.iter().filter_map(|b| b.motion()).map(|m| m.feed_mm_s).fold(0.0, f64::max);
-    Some(Section {
-        name: if label.is_empty() {
-            let sense = match (circle, forward) {
-                (Circle::Meridian { .. }, true) => "forward",
-                (Circle::Meridian { .. }, false) => "backward",
-                (_, true) => "CCW",
-                (_, false) => "CW",
-            };
-            format!("{} {sense}", circle.name())
-        } else {
-            label.to_owned()
-        },
+    let mut section = Section {
+        name: String::new(),
         circle,
         forward,
         transit: false,
         start_s,
         end_s,
         sweep_rad: swept.abs(),
+        data_s: data_arc::of(trajectory, blocks, swept.abs()),
         feed_mm_s: longest,
-    })
+    };
+    // A comment that was there before this arc, on an M00 say, is not its name; nor is that of its overshoot.
+    let named = blocks.iter().find(|block| !data_arc::is_overshoot(trajectory.label(block)));
+    let named = named.unwrap_or(&blocks[0]);
+    let own = begin == 0 || trajectory.blocks()[begin - 1].label != named.label;
+    section.name = Some(trajectory.label(named))
+        .filter(|label| own && !label.is_empty())
+        .map_or_else(|| unnamed(&section), str::to_owned);
+    Some(section)
 }
 
 /// A slide that goes less far than this on all arcs stands still, mm: so little is rounding of the program.

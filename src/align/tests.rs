@@ -251,6 +251,61 @@ fn sections_are_the_arcs_of_the_plan() {
 }
 
 #[test]
+fn circles_in_planes_are_called_by_the_planes_and_tell_data_from_overshoot() {
+    for interpolation in ["arcs", "chords"] {
+        let plan = format!("strategy = \"iso230-4\"\ninterpolation = \"{interpolation}\"\n");
+        let bench = Bench::new(&plan);
+        let trajectory = bench.trajectory();
+        let sections = sections(&trajectory, &bench.rig());
+        let arcs: Vec<&Section> = sections.iter().filter(|section| !section.transit).collect();
+        let told: Vec<String> = arcs
+            .iter()
+            .map(|arc| format!("{}: {} {}", arc.name, arc.circle.name(), arc.direction()))
+            .collect();
+        let of =
+            |plane: &str| ["CCW", "CW"].map(|way| format!("{plane} {way}: {plane} plane {way}"));
+        assert_eq!(told, ["XY", "YZ", "ZX"].map(of).concat());
+        for arc in arcs {
+            let angle_deg = |time_s: f64| {
+                let ball = bench.rig().commanded_mm(&trajectory.at(time_s).position_mm);
+                arc.circle.angle_rad(&ball).to_degrees()
+            };
+            // From the first axis of the plane: X; 20 degrees below Y; 110 degrees before Z.
+            let [from_deg, to_deg] = match arc.circle.name().as_str() {
+                "XY plane" => [0.0, 0.0],
+                "YZ plane" => [340.0, 200.0],
+                _ => [250.0, 110.0],
+            };
+            let expected = if arc.forward { [from_deg, to_deg] } else { [to_deg, from_deg] };
+            for (time_s, expected_deg) in arc.data_s.into_iter().zip(expected) {
+                let off_deg = (angle_deg(time_s) - expected_deg + 180.0).rem_euclid(360.0) - 180.0;
+                assert!(off_deg.abs() < 0.01, "{} {time_s} s: {off_deg} deg", arc.name);
+            }
+            assert!(arc.start_s < arc.data_s[0] && arc.data_s[1] < arc.end_s, "{arc:?}");
+        }
+    }
+}
+
+/// As others write it: two whole turns in a row, and nothing that says which part is data.
+#[test]
+fn the_data_of_two_turns_without_comments_are_the_turn_in_the_middle() {
+    let mut bench = Bench::new("strategy = \"xy\"\n");
+    bench.program.labels.iter_mut().for_each(String::clear);
+    let trajectory = bench.trajectory();
+    for section in sections(&trajectory, &bench.rig()) {
+        assert!((section.sweep_rad - 2.0 * TAU).abs() < 1e-3);
+        for at_s in section.data_s {
+            let ball = bench.rig().commanded_mm(&trajectory.at(at_s).position_mm);
+            assert!(ball.x > 149.9 && ball.y.abs() < 0.05, "{ball}");
+        }
+        let share = (section.data_s[1] - section.data_s[0]) / (section.end_s - section.start_s);
+        assert!((share - 0.5).abs() < 0.01, "{share}");
+        let way = if section.forward { "CCW" } else { "CW" };
+        assert_eq!(section.name, format!("XY plane {way}"));
+    }
+}
+
+#[test]
 fn a_knob_that_is_off_is_estimated_and_one_too_far_off_refused_with_a_hint() {
     let bench = Bench::new(ARCS);
     let at = |feed_override: f64| {

@@ -330,7 +330,7 @@ pub struct ArcResult {
     pub name: String,
     /// The circle.
     pub circle: String,
-    /// `forward` or `backward`.
+    /// `forward` or `backward`; in a coordinate plane `CCW` or `CW`.
     pub direction: &'static str,
     /// A way to the next arc rather than an arc.
     pub transit: bool,
@@ -340,6 +340,10 @@ pub struct ArcResult {
     pub end_s: f64,
     /// Angle that it covers, degrees.
     pub sweep_deg: f64,
+    /// Beginning of its data arc in program time, s; before it and after its end is overshoot.
+    pub data_start_s: f64,
+    /// End of its data arc in program time, s.
+    pub data_end_s: f64,
     /// Feed, mm/min.
     pub feed_mm_min: f64,
     /// Samples that were used.

@@ -95,7 +95,10 @@ pub(super) fn circles(analysis: &Analysis, identifications: &[Identification]) -
                 let mut last_s = f64::NEG_INFINITY;
                 for record in &run.records {
                     let sample = &record.sample;
-                    if sample.part != Part::Arc(index) || record.rejected() {
+                    if sample.part != Part::Arc(index)
+                        || record.rejected()
+                        || !section.is_data(sample.program_s)
+                    {
                         continue;
                     }
                     let ball = sample.pose.position_mm - run.alignment.coincidence_mm();

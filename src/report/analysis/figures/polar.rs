@@ -2,6 +2,7 @@
 
 use super::figure::Figure;
 use crate::align::Circle;
+use crate::plan::Plane;
 use crate::report::analysis::traces::{OnCircle, Trace};
 use crate::report::draw::polar::{Magnification, Polar};
 use crate::report::draw::svg::thinned;
@@ -50,8 +51,10 @@ pub(in crate::report) fn polar(
 fn figure(circle: &OnCircle, before: Option<&OnCircle>, scale: Magnification) -> String {
     let name = &circle.name;
     let spokes = match circle.circle {
-        Circle::Equator => ["+X", "+Y", "−X", "−Y"],
+        Circle::Equator | Circle::Plane(Plane::Xy) => ["+X", "+Y", "−X", "−Y"],
         Circle::Meridian { .. } => ["", "pole +Z", "", "−Z"],
+        Circle::Plane(Plane::Yz) => ["+Y", "+Z", "−Y", "−Z"],
+        Circle::Plane(Plane::Zx) => ["+Z", "+X", "−Z", "−X"],
         Circle::Other { .. } => ["", "", "", ""],
     };
     let mut polar = Polar::new(circle.whole(), scale, name, spokes);
