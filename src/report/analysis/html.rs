@@ -40,6 +40,8 @@ struct Page<'a> {
     pictures: Vec<RunPicture>,
     polar: Vec<Vec<Figure>>,
     magnification: String,
+    /// The two directions of an arc.
+    ways: [&'static str; 2],
     set_up_taken_off: bool,
     hysteresis: Vec<Figure>,
     over_time: Vec<Figure>,
@@ -96,6 +98,7 @@ pub fn render(analysis: &Analysis, shown: Shown) -> Result<String> {
         pictures: figures::runs(analysis, identifications),
         polar,
         magnification,
+        ways: traces::ways(&circles),
         set_up_taken_off: traces::set_up_taken_off(analysis, identifications),
         hysteresis: figures::hysteresis(analysis),
         over_time: figures::against_time(analysis, shown),

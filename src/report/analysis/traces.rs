@@ -144,6 +144,13 @@ pub(super) fn circles(analysis: &Analysis, identifications: &[Identification]) -
     circles
 }
 
+/// What the two directions of an arc are called: users of planes know them as those of G03 and G02.
+pub(super) fn ways(circles: &[OnCircle]) -> [&'static str; 2] {
+    let plane = |circle: &OnCircle| matches!(circle.circle, Circle::Plane(_));
+    let planes = !circles.is_empty() && circles.iter().all(plane);
+    if planes { ["CCW", "CW"] } else { ["forward", "backward"] }
+}
+
 /// An angle continued from the one before it; the first one near its natural end of the circle.
 fn unwound(angle_rad: f64, before: Option<f64>, forward: bool) -> f64 {
     use std::f64::consts::TAU;
