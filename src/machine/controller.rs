@@ -47,6 +47,8 @@ pub struct Controller {
     pub look_ahead_on: String,
     /// Block that switches look-ahead off, empty for none.
     pub look_ahead_off: String,
+    /// Blocks that cancel what this control can do besides and somebody may have left in force.
+    pub cancel_blocks: Vec<String>,
     /// Acceleration along the path at feed, mm/s².
     pub path_acceleration_mm_s2: f64,
     /// Corners sharper than this are taken with a stop, rad.
@@ -75,6 +77,7 @@ pub(super) struct RawController {
     comment_characters: String,
     look_ahead_on: Spanned<String>,
     look_ahead_off: Spanned<String>,
+    cancel_blocks: Option<Spanned<Vec<String>>>,
     path_acceleration_mm_s2: Spanned<f64>,
     corner_stop_deg: Spanned<f64>,
     corner_speed_step_mm_min: Option<Spanned<f64>>,
@@ -97,6 +100,7 @@ impl Default for RawController {
             comment_characters: " .,=_-".into(),
             look_ahead_on: bare(String::new()),
             look_ahead_off: bare(String::new()),
+            cancel_blocks: None,
             path_acceleration_mm_s2: bare(500.0),
             corner_stop_deg: bare(25.0),
             corner_speed_step_mm_min: None,
@@ -147,6 +151,7 @@ impl RawController {
             comment_characters: self.comment_characters,
             look_ahead_on: self.look_ahead_on.into_inner(),
             look_ahead_off: self.look_ahead_off.into_inner(),
+            cancel_blocks: check_cancel(self.cancel_blocks, dialect, text)?,
             path_acceleration_mm_s2: text.within(
                 &self.path_acceleration_mm_s2,
                 "path_acceleration_mm_s2",
@@ -184,6 +189,40 @@ const LARGEST_KB: f64 = 65_536.0;
 
 /// N numbers go to 99999 and then begin anew, which leaves a hundred of them different.
 const LARGEST_STEP: u32 = 1000;
+
+/// What a Fanuc can do besides, each ended by a block of its own: rotation of coordinates, polar coordinates, scaling.
+const OPTIONS_OF_A_FANUC: [&str; 3] = ["G69", "G15", "G50"];
+
+/// All options of the dialect, or those of them that the file says the control has: of the others the word is an alarm.
+fn check_cancel(
+    blocks: Option<Spanned<Vec<String>>>,
+    dialect: Dialect,
+    text: &Text<'_>,
+) -> Result<Vec<String>> {
+    let options: &[&str] = match dialect {
+        Dialect::Fanuc => &OPTIONS_OF_A_FANUC,
+        Dialect::LinuxCnc => &[],
+    };
+    let Some(blocks) = blocks else {
+        return Ok(options.iter().map(|&block| block.to_owned()).collect());
+    };
+    let place = text.place(blocks.span());
+    let blocks = blocks.into_inner();
+    let unknown = |(k, block): (usize, &String)| {
+        !options.contains(&block.as_str()) || blocks[..k].contains(block)
+    };
+    if let Some((_, block)) = blocks.iter().enumerate().find(|&of| unknown(of)) {
+        let what = format!("`{}` is nothing to cancel once", block.escape_debug());
+        let hint = match dialect {
+            Dialect::Fanuc => {
+                "write those of `G69`, `G15` and `G50` that the control knows, each once"
+            }
+            Dialect::LinuxCnc => "LinuxCNC has nothing to cancel: leave `cancel_blocks` out",
+        };
+        return Err(Error::input(what).at(place).hint(hint));
+    }
+    Ok(blocks)
+}
 
 /// A block around every arc switches the look-ahead and does nothing else: G05.1 Q, G05 P or G08 P with a number, alone.
 fn check_look_ahead(block: &Spanned<String>, dialect: Dialect, text: &Text<'_>) -> Result<()> {

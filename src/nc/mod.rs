@@ -44,6 +44,7 @@ mod arc;
 pub mod check;
 mod command;
 mod comment;
+mod header;
 mod lex;
 mod listing;
 mod modal;

@@ -3,7 +3,7 @@
 use askama::Template;
 use nalgebra::Vector3;
 
-use super::comment;
+use super::{comment, header};
 use crate::error::{Error, Kind, Place, Result};
 use crate::machine::{Controller, Dialect, Machine};
 use crate::plan::{Circular, Path, Plane, Step, Test};
@@ -60,7 +60,8 @@ struct LinuxCnc<'a> {
     lines: &'a [Line],
 }
 
-/// The program of a path: header with machine, test and hash of the test file, safe start, G64, the
+/// The program of a path: header with machine, test and what to mount where; first what a path depends on and an operator or
+/// another program may have left otherwise, the spindle standing and the coolant off; then G64, the
 /// arcs in G01 chords or as G02 and G03, M30.
 ///
 /// Chord blocks carry no N number: there are more of them than numbers. Every axis word has a decimal
@@ -133,9 +134,12 @@ fn render(test: &Test, machine: &Machine, path: &Path, subprograms: Option<u32>)
         feeding: false,
         feed_in_force: String::new(),
     };
-    for words in power_on(machine.controller().dialect) {
+    writer.block("G21 G17 G90 G94 G40 G49 G80");
+    for words in &machine.controller().cancel_blocks {
         writer.block(words);
     }
+    writer.block("M05");
+    writer.block("M09");
     writer.block(&format!("G{}", mounting.work_offset));
     let n = writer.n();
     writer.lines.push(Line::Cutting(n));
@@ -144,30 +148,9 @@ fn render(test: &Test, machine: &Machine, path: &Path, subprograms: Option<u32>)
     writer.lines.push(Line::End(n));
     writer.lines.append(&mut writer.subprograms);
     let comment = |text: String| writer.comment(&text);
-    let offset = &mounting.mounting.coincidence_mm;
     let number_of = format!("{:04}", plan.program_number + path.mounting as u32);
-    let title = comment(format!(
-        "BALL-BAR {} R{} F{}",
-        plan.strategy_name(),
-        number(mounting.bar_length_mm).trim_end_matches('.'),
-        plan.feeds_mm_s
-            .iter()
-            .map(|feed| number(feed * 60.0).trim_end_matches('.').to_owned())
-            .collect::<Vec<_>>()
-            .join(" F")
-    ));
-    let header = [
-        comment(format!("MACHINE {}", machine.name())),
-        comment(format!("TEST {}", test.name())),
-        comment(format!("SHA256 {}", &test.hash()[..16])),
-        comment(format!(
-            "MOUNTING {} - G{} ZERO IS THE WORKPIECE BALL",
-            mounting.name, mounting.work_offset
-        )),
-        comment(format!("MACHINE COORDINATES X{:.3} Y{:.3} Z{:.3}", offset.x, offset.y, offset.z)),
-        comment("TOOL LENGTH IS PART OF THE WORK OFFSET - G49 IS IN FORCE".to_owned()),
-        comment("AFTER A RESET TAKE THE BALL-BAR OFF AND START FROM THE TOP".to_owned()),
-    ];
+    let title = comment(header::title(plan, mounting));
+    let header: Vec<String> = header::lines(test, machine, path).into_iter().map(comment).collect();
     let (number, title, header, lines) = (&*number_of, &*title, &header[..], &writer.lines[..]);
     let rendered = match machine.controller().dialect {
         Dialect::Fanuc => Fanuc { number, title, header, lines }.render(),
@@ -180,15 +163,6 @@ fn render(test: &Test, machine: &Machine, path: &Path, subprograms: Option<u32>)
         text.push('\n');
     }
     Ok(text)
-}
-
-/// What a path depends on and an operator or another program may have left otherwise, block by block. G69, G15 and G50
-/// end what only a Fanuc with these options can do; the spindle stands, and the coolant is off.
-fn power_on(dialect: Dialect) -> &'static [&'static str] {
-    match dialect {
-        Dialect::Fanuc => &["G21 G17 G90 G94 G40 G49 G80", "G69", "G15", "G50", "M05", "M09"],
-        Dialect::LinuxCnc => &["G21 G17 G90 G94 G40 G49 G80", "M05", "M09"],
-    }
 }
 
 /// The G word of a plane.

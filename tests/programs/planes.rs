@@ -173,6 +173,40 @@ fn a_pass_of_chords_is_one_subprogram() {
     assert!(subprograms.iter().all(|of| of.matches("OVERSHOOT").count() != 1));
 }
 
+/// A Fanuc without scaling calls G50 an alarm.
+#[test]
+fn a_program_cancels_what_the_control_has() {
+    let source = std::fs::read_to_string(machine("hu40t.toml", 3).file()).unwrap();
+    let with = |key: &str| {
+        let source = source.replacen("decimals = 3", &format!("decimals = 3\n{key}"), 1);
+        Machine::parse(&source, "m.toml".as_ref())
+    };
+    let test = planar("[20.0, -35.0, 40.0]", "strategy = \"xy\"\nfeed_mm_min = 1000.0");
+    let (_, _, text) =
+        written_and_read(&with("cancel_blocks = [\"G69\", \"G15\"]").unwrap(), &test);
+    assert!(text.contains("G69\n") && text.contains("G15\n") && !text.contains("G50"), "{text}");
+    for wrong in ["[\"G28\"]", "[\"G69\", \"G69\"]", "[\"G69\\nM03\"]"] {
+        let error = with(&format!("cancel_blocks = {wrong}")).unwrap_err();
+        assert!(error.what.contains("is nothing to cancel once"), "{error}");
+        assert_eq!(error.place.as_ref().unwrap().line, 30, "{error}");
+    }
+}
+
+/// What the operator compares stands in the header and at the stop alike.
+#[test]
+fn the_header_says_what_the_control_must_show() {
+    for (name, coincidence) in PLACES {
+        let test = planar(coincidence, "strategy = \"iso230-4\"\nfeed_mm_min = 1000.0");
+        let (_, _, text) = written_and_read(&machine(name, 3), &test);
+        let place = |before: &str| {
+            let line = text.lines().find(|line| line.contains(before)).unwrap();
+            line[line.find('X').unwrap()..].trim_end_matches(')').to_owned()
+        };
+        assert_eq!(place("COMPARE AT THE SECOND STOP - G54"), place("IN G54 THIS MUST BE"));
+        assert!(text.contains("(BALL-BAR OF 150.000 MM - OFF UNTIL THE THIRD STOP)"), "{text}");
+    }
+}
+
 #[test]
 fn a_control_with_two_decimals_is_told_to_take_chords() {
     let machine = machine("hu40t.toml", 2);
