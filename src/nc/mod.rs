@@ -58,6 +58,7 @@ mod source;
 #[cfg(test)]
 mod tests;
 mod write;
+mod writer;
 
 pub use check::{Checked, Finding, Severity, Sphere, check};
 pub use comment::with_warnings;
