@@ -14,6 +14,7 @@ mod instrument;
 mod killed;
 mod mountings;
 mod plan;
+mod planes;
 mod reference;
 mod refused;
 mod safe;

@@ -1,0 +1,80 @@
+//! The test that every user of a ball-bar knows, through every command, in the words that he knows.
+
+use crate::work::{Work, project};
+
+const PLAN: &str =
+    "[plan]\nstrategy = \"iso230-4\"\nfeed_mm_min = [1000.0, 2000.0]\nchord_sag_um = 1.0\n";
+
+/// A bench with one of the machines of the project.
+fn bench(machine: &str, coincidence: &str, plan: &str) -> Work {
+    let work = Work::new();
+    let source = std::fs::read(project().join("machines").join(machine)).unwrap();
+    work.write("machine.toml", source).test(plan);
+    let test = std::fs::read_to_string(work.path("test.toml")).unwrap();
+    work.write("test.toml", test.replace("[20.0, -35.0, 40.0]", coincidence));
+    work
+}
+
+#[test]
+fn three_planes_at_two_feeds_go_through_every_command() {
+    for (machine, coincidence) in
+        [("hu40t.toml", "[20.0, -35.0, 40.0]"), ("vertical.toml", "[20.0, -35.0, -300.0]")]
+    {
+        let work = bench(machine, coincidence, PLAN);
+        let plan = work.ballbar(&["plan", "test.toml"]).done().stdout();
+        for told in ["strategy iso230-4, feed 1000, 2000 mm/min", "squareness YZ"] {
+            assert!(plan.contains(told), "{told}\n{plan}");
+        }
+        work.ballbar(&["program", "test.toml"]).done();
+        let check = ["check", "results/O1001.nc", "--test", "test.toml", "--plot"];
+        assert!(work.ballbar(&check).done().stderr().contains("0 error(s), 0 warning(s)"));
+        let time = work.ballbar(&["time", "results/O1001.nc", "--test", "test.toml"]).done();
+        assert!(time.stdout().contains("and 15 stop(s) for the operator"), "{}", time.stdout());
+        // On one of the two a servo loop is late: at two feeds that is no geometry.
+        let late = machine == "vertical.toml";
+        let hide = if late { &["--hide", "servo:on=Y,delay_ms=0.5"][..] } else { &[] };
+        work.ballbar(&[&["simulate", "test.toml"], hide].concat()).done();
+        let test = "results/test.toml";
+        let align = work.ballbar(&["align", test]).done().stdout();
+        assert!(align.contains("11 of"), "the pauses between the arcs\n{align}");
+        work.ballbar(&["identify", test]).done();
+        let diagnosis = work.ballbar(&["diagnose", test]).done().stdout();
+        let found = "Servo mismatch: following error of an axis, Y: delay 0.";
+        assert_eq!(diagnosis.contains(found), late, "{diagnosis}");
+        let analysis = std::fs::read_to_string(work.path("results/analysis.json")).unwrap();
+        let report = std::fs::read_to_string(work.path("results/report.html")).unwrap();
+        for told in ["XY plane", "YZ plane", "ZX plane", "XY F1000 CCW", "ZX F2000 CW"] {
+            assert!(analysis.contains(told) && report.contains(told), "{told}");
+        }
+        assert!(report.contains("measured, CCW") && !report.contains("measured, forward"));
+        for word in ["Equator", "Meridian", "EQUATOR"] {
+            assert!(!report.contains(word) && !analysis.contains(word), "{word}");
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_a_plane_is_refused_with_its_line() {
+    for (plan, line, told) in [
+        ("strategy = \"xz\"\nfeed_mm_min = 500.0", 13, "unknown strategy `xz`"),
+        ("strategy = \"3d6\"\nsweep_deg = 220.0\nfeed_mm_min = 500.0", 14, "`sweep_deg` belongs"),
+        ("overshoot_deg = 180.0\nfeed_mm_min = 500.0", 13, "`overshoot_deg` belongs"),
+        ("strategy = \"xy\"\nsweep_deg = 0.5\nfeed_mm_min = 500.0", 14, "between 1 and 360"),
+        ("strategy = \"xy\"\novershoot_deg = -1\nfeed_mm_min = 500.0", 14, "between 0 and 720"),
+        ("strategy = \"xy\"\nstart_deg = nan\nfeed_mm_min = 500.0", 14, "between -360 and 360"),
+        ("strategy = \"xy\"\nfeed_mm_min = []", 14, "has 0 feeds"),
+        ("strategy = \"xy\"\nfeed_mm_min = [500, 500.0]", 14, "has 500 twice"),
+        ("strategy = \"xy\"\nfeed_mm_min = [500, 1e9]", 14, "between 1 and 60000"),
+        ("strategy = \"xy\"\nfeed_mm_min = \"F500\"", 14, "number or a list of numbers"),
+        (
+            "strategy = \"xy\"\ninterpolation = \"G02\"\nfeed_mm_min = 5.0",
+            14,
+            "unknown interpolation",
+        ),
+    ] {
+        let work = bench("hu40t.toml", "[20.0, -35.0, 40.0]", &format!("[plan]\n{plan}\n"));
+        let message = work.ballbar(&["program", "test.toml"]).refused(1);
+        assert!(message.contains(told), "{message}");
+        assert!(message.contains(&format!("test.toml:{line}:")), "{line}: {message}");
+    }
+}
