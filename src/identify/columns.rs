@@ -1,4 +1,4 @@
-//! Where the parameters of the time maps stand among the columns of the fit.
+//! Where the parameters of the time maps stand: each run has columns of its own, before those of the coefficients.
 
 use std::ops::Range;
 
@@ -8,11 +8,11 @@ use super::input::RunInput;
 use crate::align::TimeMap;
 use crate::solve::Matrix;
 
-/// Where the parameters of the time maps stand among the columns.
+/// Where the parameters of the time maps stand among the columns of their run.
 pub(super) struct Columns {
     pub(super) coefficients: usize,
-    /// For each run: its first column, and the legs that have one.
-    pub(super) runs: Vec<(usize, Vec<usize>)>,
+    /// For each run the legs that have an offset: its first columns.
+    pub(super) legs: Vec<Vec<usize>>,
     /// For each run: how much each slide follows later than the mean, for one of each of the columns.
     pub(super) delays: Vec<Vec<Vector3<f64>>>,
     /// Whether the control drives as planned, and nothing of how it does is estimated.
@@ -21,7 +21,6 @@ pub(super) struct Columns {
     pub(super) unlike: bool,
     /// For each run whether its path has chords.
     cuts: Vec<bool>,
-    pub(super) total: usize,
 }
 
 /// Chords that are off their arc by less than rounding of the program are none, mm.
@@ -43,44 +42,34 @@ fn contrasts(moving: [bool; 3]) -> Vec<Vector3<f64>> {
 
 impl Columns {
     pub(super) fn new(coefficients: usize, runs: &[RunInput]) -> Self {
-        let mut total = coefficients;
-        let (mut delays, mut cuts) = (Vec::new(), Vec::new());
-        let runs = runs
-            .iter()
-            .map(|run| {
-                let legs = run.alignment.legs();
-                let contrasts = contrasts(run.alignment.moving);
-                let first = total;
-                let cut = run.alignment.chord_sag_mm > NO_SAG_MM;
-                total += legs.len() + 3 + contrasts.len() + usize::from(cut);
-                cuts.push(cut);
-                delays.push(contrasts);
-                (first, legs)
-            })
-            .collect();
-        Self { coefficients, runs, delays, as_planned: false, unlike: true, cuts, total }
+        Self {
+            coefficients,
+            legs: runs.iter().map(|run| run.alignment.legs()).collect(),
+            delays: runs.iter().map(|run| contrasts(run.alignment.moving)).collect(),
+            as_planned: false,
+            unlike: true,
+            cuts: runs.iter().map(|run| run.alignment.chord_sag_mm > NO_SAG_MM).collect(),
+        }
     }
 
-    /// Which columns a run has a part in: the coefficients, and those of its own times. A row of the run has these.
-    pub(super) fn of_run(&self, run: usize) -> Vec<usize> {
-        let end = self.cut(run).map_or(self.delays(run).end, |cut| cut + 1);
-        (0..self.coefficients).chain(self.runs[run].0..end).collect()
+    /// How many columns a run has for itself; those of the coefficients come after them.
+    pub(super) fn own(&self, run: usize) -> usize {
+        self.delays(run).end + usize::from(self.cuts[run])
     }
 
-    /// Where in a row of a run one of its own columns stands.
-    pub(super) fn in_row(&self, run: usize, column: usize) -> usize {
-        column - self.runs[run].0 + self.coefficients
+    /// How many columns there are in all.
+    pub(super) fn total(&self) -> usize {
+        self.coefficients + (0..self.legs.len()).map(|run| self.own(run)).sum::<usize>()
     }
 
     /// Column of the offset of a leg; `None` where the leg has no samples.
     pub(super) fn offset(&self, run: usize, leg: usize) -> Option<usize> {
-        let (first, legs) = &self.runs[run];
-        legs.iter().position(|l| *l == leg).map(|k| first + k)
+        self.legs[run].iter().position(|l| *l == leg)
     }
 
     /// Column of the clock rate.
     pub(super) fn rate(&self, run: usize) -> usize {
-        self.runs[run].0 + self.runs[run].1.len()
+        self.legs[run].len()
     }
 
     /// Column of the pace.
@@ -104,22 +93,21 @@ impl Columns {
         self.cuts[run].then(|| self.delays(run).end)
     }
 
-    /// Takes the uncertainty of a time map from the covariance of all columns.
+    /// Takes the uncertainty of a time map from the covariance of the columns of its run.
     pub(super) fn state_uncertainty(&self, run: usize, map: &mut TimeMap, covariance: &Matrix) {
         let sigma = |column: usize| covariance[(column, column)].max(0.0).sqrt();
         let (rate, pace) = (self.rate(run), self.pace(run));
         map.rate_sigma = sigma(rate);
         map.pace_sigma = sigma(pace);
         map.rate_pace_covariance = covariance[(rate, pace)];
-        let (first, legs) = &self.runs[run];
-        for (column, &leg) in (*first..).zip(legs) {
+        for (column, &leg) in self.legs[run].iter().enumerate() {
             map.offset_sigmas_s[leg] = sigma(column);
             map.offset_rate_covariances_s[leg] = covariance[(column, rate)];
             map.offset_pace_covariances_s[leg] = covariance[(column, pace)];
         }
     }
 
-    /// Takes the uncertainty of how the control drove from the covariance of all columns, with what is plausible of it.
+    /// Takes the uncertainty of how the control drove from the covariance of the columns of its run, with what is plausible of it.
     pub(super) fn state_driving(&self, run: usize, map: &mut TimeMap, covariance: &Matrix) {
         let following = self.following(run);
         map.following_sigma_s = covariance[(following, following)].max(0.0).sqrt();

@@ -43,17 +43,15 @@ pub fn explicit_terms(
     let balls = mountings.iter().map(|(_, mounting)| *mounting).collect();
     let model = Model::new(machine, balls, model::terms(&order, &names)?);
     let fit = rehearsed_fit(&model, runs, options, &NoiseModel::white(options.noise_mm))?;
-    let triangle = fit.triangle()?;
+    let rows = fit.rows()?;
     let parameters = model.parameters();
-    // Nobody asks whether to estimate the times: they come first.
-    let mut columns: Vec<usize> = (fit.columns.coefficients..fit.columns.total).collect();
+    let mut columns = Vec::new();
     for name in &order {
         columns.extend((0..parameters.len()).filter(|&k| parameters[k].bare_name() == *name));
     }
-    let choice =
-        triangle.choose(&columns, &fit.references(&triangle), fit.truncation(triangle.rows()))?;
-    let kept = choice.kept.iter().filter_map(|&k| parameters.get(k));
-    let kept = kept.map(|parameter| parameter.name.clone()).chain(effects).collect();
+    let choice = rows.choose(&columns, &fit.references(&rows), fit.truncation(rows.rows()))?;
+    let kept = choice.kept.iter().map(|&k| parameters[k].name.clone());
+    let kept = kept.chain(effects).collect();
     Ok((kept, fit.runs))
 }
 

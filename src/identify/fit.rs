@@ -9,7 +9,7 @@ use crate::align::{Part, TimeMap};
 use crate::error::{Error, Kind, Result};
 use crate::model::{Model, ParameterId};
 use crate::solve::Loss;
-use crate::solve::{self, Matrix, Solution, Spectrum, Triangle};
+use crate::solve::{self, Bordered, BorderedCovariance, BorderedSolution, Solution, Unknowns};
 
 /// A doubtful leg is tried at so many other places.
 const MOST_PLACES: usize = 4;
@@ -65,7 +65,7 @@ const WIDER: f64 = 10.0;
 
 /// The end of one round of Gauss-Newton.
 pub(super) struct Outcome {
-    pub(super) solution: Solution,
+    pub(super) solution: BorderedSolution,
     pub(super) steps: usize,
 }
 
@@ -116,12 +116,15 @@ impl<'a> Fit<'a> {
             .flat_map(RunInput::samples)
             .filter(|s| matches!(s.part, Part::Arc(_)))
             .count();
-        if samples > 2 * self.columns.total {
+        if samples > 2 * self.columns.total() {
             return Ok(());
         }
         Err(Error::new(
             Kind::Undetermined,
-            format!("{samples} samples on arcs cannot determine {} parameters", self.columns.total),
+            format!(
+                "{samples} samples on arcs cannot determine {} parameters",
+                self.columns.total()
+            ),
         )
         .hint("check that the log covers the program, or choose fewer terms"))
     }
@@ -212,12 +215,12 @@ impl<'a> Fit<'a> {
         }
     }
 
-    pub(super) fn spectrum(&self, triangle: &Triangle) -> Result<Spectrum> {
-        Spectrum::with_references(triangle, &self.references(triangle))
+    pub(super) fn solve(&self, rows: &Bordered) -> Result<BorderedSolution> {
+        rows.solve(&self.references(rows), self.truncation(rows.rows()))
     }
 
     /// Rows of the full detail.
-    pub(super) fn triangle(&self) -> Result<Triangle> {
+    pub(super) fn rows(&self) -> Result<Bordered> {
         self.factor(timing::Detail::Full)
     }
 
@@ -226,9 +229,7 @@ impl<'a> Fit<'a> {
     pub(super) fn foresee_times(&mut self) -> Result<()> {
         for _ in 0..2 {
             self.state.apart = apart(&self.runs, timing::Detail::Full.guard_s());
-            let triangle = self.triangle()?;
-            let solution = self.spectrum(&triangle)?.solve(self.truncation(triangle.rows()));
-            let covariance = solution.covariance_unscaled();
+            let covariance = self.solve(&self.rows()?)?.covariance_unscaled();
             self.state_times(&covariance);
         }
         self.state.apart = apart(&self.runs, timing::Detail::Full.guard_s());
@@ -236,21 +237,22 @@ impl<'a> Fit<'a> {
     }
 
     /// Takes the uncertainties of the time maps from the covariance of all columns.
-    pub(super) fn state_times(&mut self, covariance: &Matrix) {
+    pub(super) fn state_times(&mut self, covariance: &BorderedCovariance) {
         for (index, run) in self.runs.iter_mut().enumerate() {
-            self.columns.state_uncertainty(index, &mut run.alignment.time_map, covariance);
+            let own = &covariance.own[index];
+            self.columns.state_uncertainty(index, &mut run.alignment.time_map, own);
             run.place();
         }
     }
 
     /// Takes a step in coefficients and time maps.
-    pub(super) fn apply(&mut self, step: &[f64], solution: &Solution) {
+    pub(super) fn apply(&mut self, step: &Unknowns, solution: &BorderedSolution) {
         let covariance = solution.covariance_unscaled();
-        for (value, change) in self.state.values.iter_mut().zip(step) {
+        for (value, change) in self.state.values.iter_mut().zip(&step.shared) {
             *value += change;
         }
         for (index, run) in self.runs.iter_mut().enumerate() {
-            let map = &mut run.alignment.time_map;
+            let (map, step) = (&mut run.alignment.time_map, &step.own[index]);
             let clamped = |value: f64| value.clamp(-FARTHEST, FARTHEST);
             map.rate = clamped(map.rate + step[self.columns.rate(index)]);
             map.pace = clamped(map.pace + step[self.columns.pace(index)]);
@@ -264,18 +266,17 @@ impl<'a> Fit<'a> {
             if let Some(cut) = self.columns.cut(index) {
                 map.cut_mm += step[cut];
             }
-            let (first, legs) = &self.columns.runs[index];
-            for (k, &leg) in legs.iter().enumerate() {
+            for (change_s, &leg) in step.iter().zip(&self.columns.legs[index]) {
                 // No step beyond a few seconds: far from the truth the derivative is not to be trusted.
-                map.offsets_s[leg] += step[first + k].clamp(-3.0, 3.0);
+                map.offsets_s[leg] += change_s.clamp(-3.0, 3.0);
             }
-            self.columns.state_uncertainty(index, map, &covariance);
+            self.columns.state_uncertainty(index, map, &covariance.own[index]);
             run.place();
         }
     }
 
     pub(super) fn refuse_deficient(&self, solution: &Solution) -> Result<()> {
-        let missing = self.columns.total - solution.rank();
+        let missing = self.columns.coefficients - solution.rank();
         if missing == 0 || self.options.minimum_norm || self.state.knows() {
             return Ok(());
         }

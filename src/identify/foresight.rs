@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::machine::Machine;
 use crate::model::{LOCAL, Model};
 use crate::plan::Test;
-use crate::solve::{Matrix, NoiseModel};
+use crate::solve::NoiseModel;
 
 /// What rehearsed runs of a test will know of a machine without errors, at the place of the test: values of zero with
 /// both uncertainties, and the faults that would look the same.
@@ -29,13 +29,10 @@ pub fn foresee(
     let model = Model::new(machine, mountings, terms);
     let mut fit = rehearsed_fit(&model, runs, options, noise)?;
     fit.state.correlated = (noise.long_run_variance().sqrt() / noise.sigma()).max(1.0);
-    let triangle = fit.triangle()?;
-    let solution = fit.spectrum(&triangle)?.solve(fit.truncation(triangle.rows()));
-    let all = solution.covariance_sandwich(&fit.filtered(noise)?);
-    let count = fit.columns.coefficients;
-    let covariance = Matrix::from_fn(count, count, |i, k| all[(i, k)]);
+    let solution = fit.solve(&fit.rows()?)?;
+    let covariance = solution.covariance_sandwich(&fit.filtered(noise)?)?.shared;
     let left_open = fit.known(&solution).left_open;
-    let values = vec![0.0; count];
+    let values = vec![0.0; fit.columns.coefficients];
     let left_open = left_open.as_ref();
     let known = Known { values: &values, covariance: &covariance, left_open, effects: None };
     Ok(answers(&model, &frame, &known))

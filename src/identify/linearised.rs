@@ -9,6 +9,7 @@
 //! and changes the parameters of the fit by `- F Q^T c` per unit, `F = D^-1 V_r S_r^-1`.
 
 use super::fit::Fit;
+use super::follows::Follows;
 use super::input::Options;
 use super::record::{Apart, Record};
 use super::result::{Identification, IdentifiedRun};
@@ -100,27 +101,18 @@ impl Identification {
         };
         let mut fit = Fit::at(model, self.again(), options, state);
         fit.columns.unlike = false;
-        let triangle = fit.triangle()?;
-        let spectrum = fit.spectrum(&triangle)?;
-        let truncation = fit.truncation(triangle.rows());
-        let rank = spectrum.retained(truncation);
-        let singular = spectrum.singular_values();
-        let (v, scales) = (spectrum.right_singular_vectors(), spectrum.scales());
+        let solution = fit.solve(&fit.rows()?)?;
+        let follows = Follows::of(&fit, &solution);
         // What is left is so to the digit: nothing that the fit follows is in it.
-        let step = spectrum.clone().solve(truncation).x().to_vec();
-        let factor = Matrix::from_fn(fit.columns.total, rank, |k, i| match scales[k] {
-            0.0 => 0.0,
-            scale => v[(k, i)] / scale / singular[i],
-        });
+        let step = solution.unknowns();
         let mut samples = Vec::new();
         let mut q = Vec::new();
         // Run and section of the arc before.
         let mut last = None;
         let mut arcs = 0;
         for (index, run) in self.runs.iter().enumerate() {
-            let places = fit.columns.of_run(index);
-            let mut row = vec![0.0; places.len()];
-            let step: Vec<f64> = places.iter().map(|place| step[*place]).collect();
+            let mut row = vec![0.0; fit.columns.own(index) + fit.columns.coefficients];
+            let step = [&step.own[index][..], &step.shared].concat();
             for (k, record) in run.records.iter().enumerate() {
                 let (None, Part::Arc(section)) = (fit.state.apart[index][k], record.sample.part)
                 else {
@@ -133,17 +125,7 @@ impl Identification {
                 let view = fit.view(&fit.runs[index], sample);
                 fit.fill_row(&mut row, index, sample, &view);
                 let root_weight = record.weight.sqrt();
-                let first = q.len();
-                q.resize(first + rank, 0.0);
-                let out = &mut q[first..];
-                for (value, column) in row.iter().zip(&places) {
-                    let value = value * root_weight / fit.state.counts_mm();
-                    if value != 0.0 {
-                        for (q, f) in out.iter_mut().zip(factor.row(*column)) {
-                            *q += value * f;
-                        }
-                    }
-                }
+                follows.push_row(index, &row, root_weight / fit.state.counts_mm(), &mut q);
                 samples.push(LinearSample {
                     left_mm: fit.residual_mm(index, &view) - dot(&row, &step),
                     run: index,
@@ -156,11 +138,8 @@ impl Identification {
                 });
             }
         }
-        let sigma_mm = fit.state.counts_mm();
-        let faults = fit.faults();
-        let row = |k: usize| factor.row(faults[k].0);
-        let factor = Matrix::from_fn(faults.len(), rank, |k, i| row(k)[i] / sigma_mm);
-        let deviations = faults.iter().map(|(_, sigma)| *sigma).collect();
+        let (factor, deviations) = follows.faults(&fit);
+        let rank = follows.rank();
         Ok(Linearised { samples, basis: Basis::new(rank, q), factor, deviations })
     }
 }

@@ -25,6 +25,7 @@ mod complete;
 mod effects;
 mod exchanged;
 mod fit;
+mod follows;
 mod foresight;
 mod input;
 mod linearised;

@@ -125,14 +125,11 @@ pub fn predict(
     noise: &NoiseModel,
 ) -> Result<Prediction> {
     let mut fit = rehearsed_fit(model, runs, options, noise)?;
-    let triangle = fit.triangle()?;
-    let spectrum = fit.spectrum(&triangle)?;
-    let solution = spectrum.solve(fit.truncation(triangle.rows()));
-    let covariance = solution.covariance_sandwich(&fit.filtered(noise)?);
+    let solution = fit.solve(&fit.rows()?)?;
+    let covariance = solution.covariance_sandwich(&fit.filtered(noise)?)?;
     fit.state_times(&covariance);
-    let sigmas = solve::standard_deviations(&covariance);
-    let count = fit.columns.coefficients;
-    let lost = fit.columns.total - solution.rank();
+    let covariance = covariance.shared;
+    let solution = solution.shared();
     let used = || {
         let samples = fit.runs.iter().zip(&fit.state.apart);
         samples
@@ -143,10 +140,10 @@ pub fn predict(
     null_directions.sort_by_key(|direction| direction.parts.first().map(|part| part.0));
     Ok(Prediction {
         parameters: model.parameters().to_vec(),
-        sigmas: sigmas[..count].to_vec(),
-        covariance: Matrix::from_fn(count, count, |i, k| covariance[(i, k)]),
-        observed: solution.observed_fraction()[..count].to_vec(),
-        rank: count - lost,
+        sigmas: solve::standard_deviations(&covariance),
+        covariance,
+        observed: solution.observed_fraction(),
+        rank: solution.rank(),
         condition: solution.spectrum().condition_of(solution.rank()),
         null_directions,
         samples: used().count(),
@@ -170,23 +167,16 @@ pub fn predict_with_prior(
     let mut fit = rehearsed_fit(model, runs, options, noise)?;
     // What is asked for is what faults of the machine leave open.
     fit.columns.as_planned = true;
-    let total = fit.columns.total;
-    let mut prior = Tsqr::new(total);
+    let mut prior = Tsqr::new(fit.columns.coefficients);
     for (column, &sigma) in priors.iter().enumerate() {
         prior.push_prior(column, 0.0, sigma);
     }
     let prior = prior.finish()?;
-    let mut rows = Tsqr::new(total);
-    rows.push_triangle(&fit.triangle()?);
-    rows.push_triangle(&prior);
-    // The priors leave no direction undetermined but times that no sample hangs on.
-    let solution = fit.spectrum(&rows.finish()?)?.solve(Truncation::Relative(f64::EPSILON));
-    let filtered = fit.filtered(noise)?;
-    let count = fit.columns.coefficients;
-    Ok([filtered, prior].map(|middle| {
-        let covariance = solution.covariance_sandwich(&middle);
-        Matrix::from_fn(count, count, |i, k| covariance[(i, k)])
-    }))
+    let rows = fit.rows()?.with_known(&prior)?;
+    // The priors leave no direction undetermined.
+    let solution = rows.solve(&fit.references(&rows), Truncation::Relative(f64::EPSILON))?;
+    let of_noise = solution.covariance_sandwich(&fit.filtered(noise)?)?.shared;
+    Ok([of_noise, solution.shared().covariance_sandwich(&prior)])
 }
 
 pub(super) fn rehearsed_fit<'a>(

@@ -7,7 +7,7 @@ use super::input::RunInput;
 use super::timing::{self, View};
 use crate::align::Sample;
 use crate::error::Result;
-use crate::solve::{Triangle, Truncation, Tsqr};
+use crate::solve::{Bordered, Triangle, Truncation, Tsqr};
 
 /// A direction is observed when a combination of errors of this size each (rms over the measured
 /// sphere, um) would show by more than `SEEN_SIGMAS` standard deviations of the stated noise.
@@ -16,20 +16,14 @@ pub const SEEN_UM: f64 = 25.0;
 const SEEN_SIGMAS: f64 = 3.0;
 
 impl Fit<'_> {
-    /// Norms against which a column may vanish by cancellation: the longest of the same unit. Columns of
-    /// time stand for themselves.
-    pub(super) fn references(&self, triangle: &Triangle) -> Vec<f64> {
-        let norms = triangle.r().column_norms();
+    /// Norms against which the column of a coefficient may vanish by cancellation: the longest of the same unit.
+    pub(super) fn references(&self, rows: &Bordered) -> Vec<f64> {
         let parameters = self.model.parameters();
         let longest = |unit: &str| {
-            let of_unit = parameters.iter().zip(&norms).filter(|(p, _)| p.unit == unit);
+            let of_unit = parameters.iter().zip(rows.norms()).filter(|(p, _)| p.unit == unit);
             of_unit.map(|(_, norm)| *norm).fold(0.0, f64::max)
         };
-        let mut references = vec![0.0; self.columns.total];
-        for (reference, parameter) in references.iter_mut().zip(parameters) {
-            *reference = longest(parameter.unit);
-        }
-        references
+        parameters.iter().map(|parameter| longest(parameter.unit)).collect()
     }
 
     /// Singular values below this are not observed.
@@ -39,8 +33,8 @@ impl Fit<'_> {
     }
 
     /// One pass over the samples: rows of coefficients and time, in units of the noise.
-    pub(super) fn factor(&self, detail: timing::Detail) -> Result<Triangle> {
-        let mut rows = self.fold_runs(&|index, rows| {
+    pub(super) fn factor(&self, detail: timing::Detail) -> Result<Bordered> {
+        let blocks = self.fold_runs(&|index, rows| {
             let run = &self.runs[index];
             let mut row = vec![0.0; rows.columns()];
             let stride = timing::stride(detail, run.samples().len());
@@ -57,32 +51,28 @@ impl Fit<'_> {
             self.each_time_row(&mut row, index, |row, value, sigma| {
                 rows.push_weighted(row, value, 1.0 / sigma);
             });
+            for (column, value, sigma) in self.driven(index) {
+                rows.push_prior(column, -value, sigma);
+            }
         })?;
-        self.push_plausible(&mut rows, &self.state.values);
-        for (column, value, sigma) in self.driven() {
-            rows.push_prior(column, -value, sigma);
-        }
-        rows.finish()
+        let own = (0..).map(|index| self.columns.own(index));
+        Bordered::new(own.zip(blocks).collect(), self.plausible()?)
     }
 
-    /// Rows of the runs, pushed side by side, each run's among its own columns, and joined in the order of the runs.
-    pub(super) fn fold_runs(&self, push: &(dyn Fn(usize, &mut Tsqr) + Sync)) -> Result<Tsqr> {
+    /// The triangle of each run, folded side by side: its own columns, then the coefficients.
+    pub(super) fn fold_runs(
+        &self,
+        push: &(dyn Fn(usize, &mut Tsqr) + Sync),
+    ) -> Result<Vec<Triangle>> {
         let of_run = |index: usize| {
-            let places = self.columns.of_run(index);
-            let mut rows = Tsqr::new(places.len());
+            let mut rows = Tsqr::new(self.columns.own(index) + self.columns.coefficients);
             push(index, &mut rows);
-            Ok((rows.finish()?, places))
+            rows.finish()
         };
-        let runs: Vec<Result<_>> = (0..self.runs.len()).into_par_iter().map(of_run).collect();
-        let mut all = Tsqr::new(self.columns.total);
-        for run in runs {
-            let (triangle, places) = run?;
-            all.push_among(&triangle, &places);
-        }
-        Ok(all)
+        (0..self.runs.len()).into_par_iter().map(of_run).collect()
     }
 
-    /// The row of a sample: coefficients, then the times of its run.
+    /// The row of a sample: the times of its run, then the coefficients.
     pub(super) fn fill_row(&self, row: &mut [f64], index: usize, sample: &Sample, view: &View) {
         row.fill(0.0);
         let run = &self.runs[index];
@@ -92,35 +82,37 @@ impl Fit<'_> {
         } else {
             self.model.situation(pose, motion, run.mounting)
         };
-        self.model.row(&situation, &mut row[..self.columns.coefficients]);
+        let (own, coefficients) = row.split_at_mut(self.columns.own(index));
+        self.model.row(&situation, coefficients);
         let map = &run.alignment.time_map;
-        let at = |column: usize| self.columns.in_row(index, column);
         if let Some(offset) = self.columns.offset(index, sample.leg) {
-            row[at(offset)] = -view.speed_mm_s;
+            own[offset] = -view.speed_mm_s;
         }
-        row[at(self.columns.rate(index))] = view.speed_mm_s * (sample.log_s - map.pivot_s);
-        row[at(self.columns.pace(index))] =
+        own[self.columns.rate(index)] = view.speed_mm_s * (sample.log_s - map.pivot_s);
+        own[self.columns.pace(index)] =
             view.speed_mm_s * map.from_middle_s(sample.log_s, sample.leg);
         if self.columns.as_planned {
             return;
         }
-        row[at(self.columns.following(index))] = view.following_mm_s;
+        own[self.columns.following(index)] = view.following_mm_s;
         for (column, contrast) in self.columns.delays(index).zip(&self.columns.delays[index]) {
-            row[at(column)] =
-                if self.columns.unlike { view.delayed_mm_s.dot(contrast) } else { 0.0 };
+            own[column] = if self.columns.unlike { view.delayed_mm_s.dot(contrast) } else { 0.0 };
         }
         if let Some(column) = self.columns.cut(index) {
-            row[at(column)] = 1.0;
+            own[column] = 1.0;
         }
     }
 
-    /// What is plausible, as rows: each parameter `0 ± its deviation`, seen from these values.
-    fn push_plausible(&self, rows: &mut Tsqr, values: &[f64]) {
-        for (column, (plausible, value)) in self.state.plausible.iter().zip(values).enumerate() {
+    /// What is plausible, as rows: each parameter `0 ± its deviation`, seen from where the fit stands.
+    fn plausible(&self) -> Result<Triangle> {
+        let mut rows = Tsqr::new(self.columns.coefficients);
+        let known = self.state.plausible.iter().zip(&self.state.values).enumerate();
+        for (column, (plausible, value)) in known {
             if let Some(sigma) = plausible {
                 rows.push_prior(column, -value, *sigma);
             }
         }
+        rows.finish()
     }
 
     /// Which directions a solution keeps: where what is plausible holds every parameter, all of them.
@@ -141,18 +133,17 @@ impl Fit<'_> {
     ) {
         let run = &self.runs[index];
         let map = &run.alignment.time_map;
-        let at = |column: usize| self.columns.in_row(index, column);
-        let (rate, pace) = (at(self.columns.rate(index)), at(self.columns.pace(index)));
+        let (rate, pace) = (self.columns.rate(index), self.columns.pace(index));
         for mark in &run.alignment.marks {
             let leg = map.leg_of(mark.program_s);
             let Some(offset) = self.columns.offset(index, leg) else { continue };
             row.fill(0.0);
-            row[at(offset)] = 1.0;
+            row[offset] = 1.0;
             row[rate] = -(mark.log_s - map.pivot_s);
             row[pace] = -map.from_middle_s(mark.log_s, leg);
             push(row, map.on_leg_s(mark.log_s, leg) - mark.program_s, mark.sigma_s);
         }
-        let legs = &self.columns.runs[index].1;
+        let legs = &self.columns.legs[index];
         for two in legs.windows(2).filter(|two| map.hang_together(two[0], two[1])) {
             let [Some(first), Some(second)] =
                 [two[0], two[1]].map(|l| self.columns.offset(index, l))
@@ -160,7 +151,7 @@ impl Fit<'_> {
                 continue;
             };
             row.fill(0.0);
-            (row[at(first)], row[at(second)]) = (-1.0, 1.0);
+            (row[first], row[second]) = (-1.0, 1.0);
             let stood_s = map.offsets_s[two[1]] - map.offsets_s[two[0]];
             let [mean_s, sigma_s] = map.stands_s(two[0], two[1]);
             push(row, mean_s - stood_s, sigma_s);
@@ -173,21 +164,18 @@ impl Fit<'_> {
         push(row, -map.pace, map.pace_plausible);
     }
 
-    /// What is plausible of how the control drives: column, value, and its standard deviation, of every run.
-    pub(super) fn driven(&self) -> Vec<(usize, f64, f64)> {
-        let mut driven = Vec::new();
-        for (index, run) in self.runs.iter().enumerate() {
-            let map = &run.alignment.time_map;
-            let following_s =
-                if self.state.at_once[index] { timing::AT_ONCE_S } else { timing::FOLLOWING_S };
-            driven.push((self.columns.following(index), map.following_s, following_s));
-            for (column, contrast) in self.columns.delays(index).zip(&self.columns.delays[index]) {
-                driven.push((column, map.delays_s.dot(contrast), timing::FOLLOWING_S));
-            }
-            if let Some(column) = self.columns.cut(index) {
-                let sigma_mm = timing::CUT * run.alignment.chord_sag_mm;
-                driven.push((column, run.alignment.time_map.cut_mm, sigma_mm));
-            }
+    /// What is plausible of how the control drives in a run: column, value, and its standard deviation.
+    pub(super) fn driven(&self, index: usize) -> Vec<(usize, f64, f64)> {
+        let alignment = &self.runs[index].alignment;
+        let map = &alignment.time_map;
+        let following_s =
+            if self.state.at_once[index] { timing::AT_ONCE_S } else { timing::FOLLOWING_S };
+        let mut driven = vec![(self.columns.following(index), map.following_s, following_s)];
+        for (column, contrast) in self.columns.delays(index).zip(&self.columns.delays[index]) {
+            driven.push((column, map.delays_s.dot(contrast), timing::FOLLOWING_S));
+        }
+        if let Some(column) = self.columns.cut(index) {
+            driven.push((column, map.cut_mm, timing::CUT * alignment.chord_sag_mm));
         }
         driven
     }

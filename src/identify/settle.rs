@@ -6,7 +6,7 @@ use super::state::apart;
 use super::timing;
 use crate::align::TimeMap;
 use crate::error::{Error, Kind, Result};
-use crate::solve::{Solution, Triangle, Tsqr};
+use crate::solve::{Bordered, BorderedSolution, Unknowns};
 
 /// Most Gauss-Newton steps, halvings among them; ten are usual.
 const MOST_STEPS: usize = 40;
@@ -42,9 +42,9 @@ struct Stand {
     /// Root of the sum of squares there, in units of the noise.
     misfit: f64,
     /// The step from there.
-    step: Vec<f64>,
+    step: Unknowns,
     /// The solution that it comes from.
-    solution: Solution,
+    solution: BorderedSolution,
     /// What is left of a reading after it, in units of the assumed noise.
     scatter: f64,
     /// Whether the step changes the computed readings by little of that.
@@ -81,8 +81,8 @@ impl Fit<'_> {
                 kept = None;
                 misfits.clear();
             }
-            let triangle = self.factor(detail)?;
-            let misfit = triangle.rhs_norm();
+            let rows = self.factor(detail)?;
+            let misfit = rows.rhs_norm();
             // What the last step lowered the sum of squares by.
             let gained = kept.as_ref().map(|stand| stand.misfit.powi(2) - misfit.powi(2));
             let negligible = (NEGLIGIBLE * self.state.correlated).powi(2);
@@ -98,27 +98,26 @@ impl Fit<'_> {
                 }
                 halvings += 1;
                 let share = 0.5_f64.powi(halvings);
-                let step: Vec<f64> = stand.step.iter().map(|step| share * step).collect();
-                self.apply(&step, &stand.solution);
+                self.apply(&stand.step.times(share), &stand.solution);
                 kept = Some(stand);
                 continue;
             }
-            let mut solution = self.spectrum(&triangle)?.solve(self.truncation(triangle.rows()));
-            self.refuse_deficient(&solution)?;
+            let mut solution = self.solve(&rows)?;
+            self.refuse_deficient(solution.shared())?;
             // While the times still move, nobody knows.
-            if detail == timing::Detail::Full && !choosing && self.stop_at_once(solution.x()) {
+            if detail == timing::Detail::Full && !choosing && self.stop_at_once(solution.unknowns())
+            {
                 kept = None;
                 continue;
             }
-            if let Some(bounded) = self.within_bounds(&triangle, solution.x())? {
-                solution = self.spectrum(&bounded)?.solve(self.truncation(triangle.rows()));
+            if let Some(bounded) = self.within_bounds(&rows, solution.unknowns())? {
+                solution = self.solve(&bounded)?;
             }
-            let step = solution.x().to_vec();
-            let change = triangle.r().times_vector(&step);
-            let change = change.iter().map(|c| c * c).sum::<f64>().sqrt();
-            let rows = triangle.rows() as f64;
+            let step = solution.unknowns().clone();
+            let change = rows.change(&step);
+            let rows = rows.rows() as f64;
             // Rows are in units of the assumed noise: their rms corrects it.
-            let scatter = self.state.correlated * solution.residual_norm() / rows.sqrt();
+            let scatter = self.state.correlated * solution.shared().residual_norm() / rows.sqrt();
             let gains_nothing = gained.is_some_and(|g| g.abs() < negligible) && halvings == 0;
             halvings = 0;
             let near = detail == timing::Detail::Smooth || change < NEARLY * scatter * rows.sqrt();
@@ -155,10 +154,10 @@ impl Fit<'_> {
 
     /// Holds the slides of runs that would follow ahead of time, if they do not follow late already; whether any were
     /// not held before.
-    fn stop_at_once(&mut self, step: &[f64]) -> bool {
+    fn stop_at_once(&mut self, step: &Unknowns) -> bool {
         let mut newly = false;
         for (index, run) in self.runs.iter().enumerate() {
-            let ahead = step[self.columns.following(index)] < 0.0;
+            let ahead = step.own[index][self.columns.following(index)] < 0.0;
             if ahead && run.alignment.time_map.following_s <= 0.0 && !self.state.at_once[index] {
                 self.state.at_once[index] = true;
                 newly = true;
@@ -167,28 +166,25 @@ impl Fit<'_> {
         newly
     }
 
-    /// The triangle with the steps that a time constant cannot take held at what it can, so that the others do not
+    /// The rows with the steps that a time constant cannot take held at what it can, so that the others do not
     /// answer to what does not happen; `None` where it can take all.
     ///
     /// No slide follows ahead of time. The effect of a time constant grows with its square: far away its slope is
     /// another one.
-    fn within_bounds(&self, triangle: &Triangle, step: &[f64]) -> Result<Option<Triangle>> {
+    fn within_bounds(&self, rows: &Bordered, step: &Unknowns) -> Result<Option<Bordered>> {
         let held = self.runs.iter().enumerate().filter_map(|(index, run)| {
             let column = self.columns.following(index);
+            let step_s = step.own[index][column];
             let least_s = (-run.alignment.time_map.following_s).max(-timing::STRIDE_S);
-            let possible_s = step[column].clamp(least_s, timing::STRIDE_S);
-            let beyond = step[column] < least_s || step[column] > timing::STRIDE_S;
-            beyond.then_some((column, possible_s))
+            let possible_s = step_s.clamp(least_s, timing::STRIDE_S);
+            let beyond = step_s < least_s || step_s > timing::STRIDE_S;
+            beyond.then_some((index, column, possible_s, timing::AT_ONCE_S))
         });
-        let held: Vec<(usize, f64)> = held.collect();
+        let held: Vec<_> = held.collect();
         if held.is_empty() {
             return Ok(None);
         }
-        let mut rows = Tsqr::of(triangle);
-        for (column, value_s) in held {
-            rows.push_prior(column, value_s, timing::AT_ONCE_S);
-        }
-        Ok(Some(rows.finish()?))
+        Ok(Some(rows.with_priors(&held)?))
     }
 
     /// Program time of every sample as it is laid now, s.
@@ -206,8 +202,8 @@ impl Fit<'_> {
     fn stand(
         &self,
         misfit: f64,
-        step: Vec<f64>,
-        solution: Solution,
+        step: Unknowns,
+        solution: BorderedSolution,
         scatter: f64,
         near: bool,
     ) -> Stand {

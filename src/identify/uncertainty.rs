@@ -10,7 +10,9 @@ use super::state::State;
 use super::{cautions, residuals};
 use crate::align::Sample;
 use crate::error::Result;
-use crate::solve::{self, Autocovariances, BackwardFilter, Matrix, NoiseModel, Solution, Triangle};
+use crate::solve::{
+    self, Autocovariances, BackwardFilter, BorderedSolution, Matrix, NoiseModel, Triangle,
+};
 
 /// What the readings decided.
 pub(super) struct Decided {
@@ -34,20 +36,18 @@ impl Fit<'_> {
         let noise = self.noise(&left_mm, outcome)?;
         // Slides that seem to follow at once may lag all the same.
         self.state.at_once.fill(false);
-        let triangle = self.triangle()?;
-        let solution = self.spectrum(&triangle)?.solve(self.truncation(triangle.rows()));
+        let solution = self.solve(&self.rows()?)?;
         let outcome = &Outcome { solution, ..*outcome };
-        let filtered = self.filtered(&noise)?;
-        let covariance = outcome.solution.covariance_sandwich(&filtered);
-        let sigmas = solve::standard_deviations(&covariance);
+        let covariance = outcome.solution.covariance_sandwich(&self.filtered(&noise)?)?;
         self.state_times(&covariance);
+        let covariance = covariance.shared;
+        let sigmas = solve::standard_deviations(&covariance);
         let with_plausible = outcome.solution.covariance_unscaled();
         for (index, run) in self.runs.iter_mut().enumerate() {
             let map = &mut run.alignment.time_map;
-            self.columns.state_driving(index, map, &with_plausible);
+            self.columns.state_driving(index, map, &with_plausible.own[index]);
         }
-        let count = self.columns.coefficients;
-        let spectrum = outcome.solution.spectrum();
+        let shared = outcome.solution.shared();
         let known = self.known(&outcome.solution);
         let left_open = known.left_open;
         let all = |k: usize| {
@@ -77,14 +77,14 @@ impl Fit<'_> {
         let cautions = cautions::cautions(&runs, machine, rms_mm, &noise, options, settled);
         Ok(Identification {
             estimates,
-            correlation: Matrix::from_fn(count, count, |i, k| correlation[(i, k)]),
-            covariance: Matrix::from_fn(count, count, |i, k| covariance[(i, k)]),
+            correlation,
+            covariance,
             left_open,
             effects: None,
             rank: known.rank,
             correlated,
-            condition: spectrum.condition_of(outcome.solution.rank()),
-            null_directions: spectrum.null_directions(outcome.solution.rank(), 0.02),
+            condition: shared.spectrum().condition_of(shared.rank()),
+            null_directions: shared.spectrum().null_directions(shared.rank(), 0.02),
             noise,
             runs,
             rms_mm,
@@ -127,39 +127,38 @@ impl Fit<'_> {
     }
 
     /// What the readings decided, and what they left to what is plausible.
-    pub(super) fn known(&self, solution: &Solution) -> Decided {
+    pub(super) fn known(&self, solution: &BorderedSolution) -> Decided {
         let count = self.columns.coefficients;
+        let shared = solution.shared();
         if !self.state.knows() {
-            let lost = self.columns.total - solution.rank();
-            let observed = solution.observed_fraction();
-            return Decided { observed, rank: count - lost, left_open: None };
+            let observed = shared.observed_fraction();
+            return Decided { observed, rank: shared.rank(), left_open: None };
         }
-        let inverse = solution.covariance_unscaled();
+        let inverse = shared.covariance_unscaled();
         let plausible = &self.state.plausible;
         let sigma = |k: usize| plausible[k].unwrap_or(f64::INFINITY);
         let observed: Vec<f64> = (0..count)
             .map(|k| (1.0 - inverse[(k, k)] / sigma(k).powi(2)).clamp(0.0, 1.0))
             .collect();
-        let faults = self.faults();
-        let left_open = Matrix::from_fn(count, faults.len(), |i, k| {
-            let (column, sigma) = faults[k];
-            inverse[(i, column)] / sigma
-        });
+        // The covariance of the coefficients with every fault, in units of what is plausible of the fault.
+        let mut open: Vec<Vec<f64>> = (0..count)
+            .map(|k| inverse.row(k).iter().map(|covariance| covariance / sigma(k)).collect())
+            .collect();
+        for index in 0..self.runs.len() {
+            let (_, ratio) = solution.elimination(index);
+            for (column, _, sigma) in self.driven(index) {
+                let with = inverse.times_vector(ratio.row(column));
+                open.push(with.into_iter().map(|covariance| -covariance / sigma).collect());
+            }
+        }
+        let left_open = Matrix::from_fn(count, open.len(), |i, k| open[k][i]);
         let rank = observed.iter().sum::<f64>().round() as usize;
         Decided { observed, rank, left_open: Some(left_open) }
     }
 
-    /// What may be wrong, by its column and what is plausible of it: first the machine, then how its control drives.
-    pub(super) fn faults(&self) -> Vec<(usize, f64)> {
-        let plausible = self.state.plausible.iter().enumerate();
-        let of_machine = plausible.map(|(k, sigma)| (k, sigma.unwrap_or(f64::INFINITY)));
-        let driven = self.driven().into_iter().map(|(column, _, sigma)| (column, sigma));
-        of_machine.chain(driven).collect()
-    }
-
-    /// The rows `W J`, filtered by the noise, for the sandwich.
-    pub(super) fn filtered(&self, noise: &NoiseModel) -> Result<Triangle> {
-        let rows = self.fold_runs(&|index, rows| {
+    /// The rows `W J` of each run, filtered by the noise, for the sandwich.
+    pub(super) fn filtered(&self, noise: &NoiseModel) -> Result<Vec<Triangle>> {
+        self.fold_runs(&|index, rows| {
             let run = &self.runs[index];
             let mut row = vec![0.0; rows.columns()];
             let mut filter = BackwardFilter::new(noise, rows.columns());
@@ -179,8 +178,7 @@ impl Fit<'_> {
             self.each_time_row(&mut row, index, |row, _, sigma| {
                 rows.push_weighted(row, 0.0, 1.0 / sigma);
             });
-        })?;
-        rows.finish()
+        })
     }
 
     /// Stretches of samples of a run that take part, on one arc each, without a gap.

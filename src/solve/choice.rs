@@ -34,6 +34,17 @@ impl Triangle {
         references: &[f64],
         truncation: Truncation,
     ) -> Result<Choice> {
+        self.choose_scaled(order, &self.r().column_norms(), references, truncation)
+    }
+
+    /// The same with columns scaled by the norms that they had before something was taken out of them.
+    pub(super) fn choose_scaled(
+        &self,
+        order: &[usize],
+        norms: &[f64],
+        references: &[f64],
+        truncation: Truncation,
+    ) -> Result<Choice> {
         let (floor, most) = match truncation {
             Truncation::Relative(tolerance) => (tolerance, usize::MAX),
             Truncation::Effect(floor) => (floor, usize::MAX),
@@ -43,7 +54,7 @@ impl Triangle {
         let mut basis: Vec<Vec<f64>> = Vec::new();
         for &k in order {
             let mut column = self.r().column(k);
-            let length = norm(column.iter().copied());
+            let length = norms[k];
             let vanished = length <= super::spectrum::VANISHED * references[k];
             if vanished || choice.kept.len() == most {
                 choice.rejected.push(k);
@@ -64,7 +75,7 @@ impl Triangle {
             with.push(k);
             let independent = left > floor
                 && (left > CLEARLY * floor
-                    || self.are_independent(&with, references, truncation)?);
+                    || self.are_independent(&with, norms, references, truncation)?);
             if independent {
                 for x in &mut column {
                     *x /= left;
@@ -81,11 +92,13 @@ impl Triangle {
     fn are_independent(
         &self,
         columns: &[usize],
+        norms: &[f64],
         references: &[f64],
         truncation: Truncation,
     ) -> Result<bool> {
-        let references: Vec<f64> = columns.iter().map(|&k| references[k]).collect();
-        let spectrum = Spectrum::with_references(&self.select(columns)?, &references)?;
+        let [norms, references] =
+            [norms, references].map(|of| columns.iter().map(|&k| of[k]).collect::<Vec<_>>());
+        let spectrum = Spectrum::with_norms(&self.select(columns)?, &norms, &references)?;
         Ok(spectrum.retained(truncation) == columns.len())
     }
 }

@@ -17,6 +17,7 @@
 //! | [`Spectrum`] | the triangle | singular values of the *scaled* columns, rank, null space |
 //! | [`Triangle::choose`] | the triangle, an order of the columns | [`Choice`]: which columns to keep |
 //! | [`solve()`] | triangle, [`Truncation`] | [`Solution`]: `x`, residual, covariance, observed fractions |
+//! | [`Bordered`] | triangles of blocks that share some unknowns and have others of their own | the same, linear in the blocks |
 //! | [`Loss`], [`robust_scale`] | residuals | weights of the next step |
 //! | [`Basis`] | a further column | what the fit leaves of it |
 //! | [`NoiseModel`], [`BackwardFilter`] | residuals of contiguous segments | rows `L^T J`, for [`Solution::covariance_sandwich`] |
@@ -73,6 +74,8 @@
 
 mod backward_filter;
 mod basis;
+mod bordered;
+mod bordered_solution;
 mod choice;
 mod cholesky;
 mod fold;
@@ -90,6 +93,8 @@ mod whiten;
 
 pub use backward_filter::BackwardFilter;
 pub use basis::Basis;
+pub use bordered::Bordered;
+pub use bordered_solution::{BorderedCovariance, BorderedSolution, Unknowns};
 pub use choice::Choice;
 pub use cholesky::{Cholesky, low_rank_factor};
 pub use least_squares::{Solution, correlation, solve, standard_deviations};

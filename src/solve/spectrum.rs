@@ -63,14 +63,21 @@ impl Spectrum {
     ///
     /// If there is not one reference a column.
     pub fn with_references(triangle: &Triangle, references: &[f64]) -> Result<Self> {
+        Self::with_norms(triangle, &triangle.r.column_norms(), references)
+    }
+
+    /// The same with columns scaled by the norms that they had before something was taken out of them.
+    pub(super) fn with_norms(
+        triangle: &Triangle,
+        norms: &[f64],
+        references: &[f64],
+    ) -> Result<Self> {
         let n = triangle.columns();
         assert_eq!(references.len(), n, "one reference for each column");
-        let mut scales = triangle.r.column_norms();
-        for (scale, reference) in scales.iter_mut().zip(references) {
-            if *scale <= VANISHED * reference {
-                *scale = 0.0;
-            }
-        }
+        let scale = |(norm, reference): (&f64, &f64)| {
+            if *norm <= VANISHED * reference { 0.0 } else { *norm }
+        };
+        let scales: Vec<f64> = norms.iter().zip(references).map(scale).collect();
         let scaled = Matrix::from_fn(n, n, |i, k| match scales[k] {
             0.0 => 0.0,
             scale => triangle.r[(i, k)] / scale,

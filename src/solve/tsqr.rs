@@ -44,10 +44,7 @@ impl Tsqr {
     /// The rows of a problem that has this triangle, to push more to.
     pub fn of(triangle: &Triangle) -> Self {
         let mut rows = Self::new(triangle.columns());
-        for (k, value) in triangle.q_t_rhs.iter().enumerate() {
-            rows.push_weighted(triangle.r.row(k), *value, 1.0);
-        }
-        rows.push_weighted(&vec![0.0; triangle.columns()], triangle.residual_norm, 1.0);
+        rows.push_triangle(triangle);
         rows
     }
 
@@ -134,28 +131,6 @@ impl Tsqr {
             self.push(triangle.r.row(i), triangle.q_t_rhs[i]);
         }
         self.push(&vec![0.0; triangle.columns()], triangle.residual_norm);
-        self.rows = rows;
-    }
-
-    /// Adds all rows that a triangle of fewer columns stands for, each of its columns at its place among these.
-    ///
-    /// A run knows only its own times: folded by itself it costs the square of few columns, not of those of all runs.
-    ///
-    /// # Panics
-    ///
-    /// If `places` does not give each of its columns one of these.
-    pub fn push_among(&mut self, triangle: &Triangle, places: &[usize]) {
-        assert_eq!(places.len(), triangle.columns(), "each column has a place");
-        let rows = self.rows + triangle.rows;
-        let mut row = vec![0.0; self.columns];
-        for (of, rhs) in triangle.q_t_rhs.iter().enumerate() {
-            for (&place, value) in places.iter().zip(triangle.r.row(of)) {
-                row[place] = *value;
-            }
-            self.push(&row, *rhs);
-        }
-        row.fill(0.0);
-        self.push(&row, triangle.residual_norm);
         self.rows = rows;
     }
 
