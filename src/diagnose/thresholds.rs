@@ -8,7 +8,7 @@
 //! *Derived* says that the number follows from a probability, a geometry or a rounding. *By trial* says that it was
 //! chosen on simulated campaigns (3D6, 10 to 30 readings a second) and is a guess about all others.
 
-use crate::residual::Beside;
+use crate::residual::{Beside, Noise, Residuals};
 
 /// An effect must gain so many times `v` to be more than chance: seven sigma, 1.5e-12 for one amplitude. The best of
 /// some thousand candidates, several amplitudes each, then reaches it in fewer than 1 of 1e7 empty campaigns.
@@ -26,7 +26,8 @@ pub(crate) const SHOWS: f64 = 4e-4;
 /// one part in ten thousand of what another pivot changes, rms, still shows, because levers are long.
 pub(crate) const FOLLOWED: f64 = 1e-8;
 
-/// A cause that explains less than this share of what a curve over the same does is not named: the curve is. By trial.
+/// A cause that explains less than this share of what a curve does is not named: the curve is. By trial: knots leave some
+/// per cent of what has edges.
 pub(crate) const OF_A_CURVE: f64 = 0.95;
 /// Causes in place of a curve explain at least this share of what the curve does. By trial; more than
 /// [`OF_A_CURVE`], because several causes can be piled up to any curve.
@@ -55,10 +56,14 @@ pub(crate) const TUNED: f64 = 20.0;
 /// Less than this part of the variance is nothing to explain in a run. By trial.
 pub(crate) const NOTHING: f64 = 0.02;
 
-/// The smallest score that counts, mm².
+/// The smallest score that counts beside some effects, mm².
 pub(crate) fn threshold_mm2(beside: &Beside) -> f64 {
-    let noise = beside.noise();
+    counts_mm2(beside.residuals, beside.noise())
+}
+
+/// The smallest score that counts where this is the noise, mm².
+pub(crate) fn counts_mm2(residuals: &Residuals, noise: &Noise) -> f64 {
     let chance = BEYOND_CHANCE * noise.long_run_mm2;
-    let samples = beside.residuals.samples() as f64;
+    let samples = residuals.samples() as f64;
     chance.max(WORTH_NAMING * WORTH_NAMING * noise.variance_mm2 * samples)
 }

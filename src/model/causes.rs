@@ -101,8 +101,8 @@ pub const CAUSES: &[Cause] = &[
         law: Law::Wave(
             over(Variable::Position),
             |h, period| h / period,
-            // A wave goes round at least three quarters of the way.
-            Inner { part_of_way: 1.33, ..inner("period", Some(Scale::Inverse), Start::Waves) },
+            // What is not seen twice is not seen to repeat: it may be any bump.
+            Inner { part_of_way: 0.5, ..inner("period", Some(Scale::Inverse), Start::Waves) },
         ),
         makes_any_curve: |period| period > SMOOTH_MM,
         equation: "E = A sin(2 pi h / period + phase)",
@@ -246,6 +246,7 @@ pub const CAUSES: &[Cause] = &[
             or(key(ORDER, Unit::NONE, [-8.0, 8.0]), 0.0),
         ],
         law: Law::Harmonics(inner(DEGREE, None, Start::Whole)),
+        makes_any_curve: |_| true,
         equation: "the bar reads A Y more, Y the real spherical harmonic of rms 1 in the direction from the workpiece ball to the tool ball; orders above 0 go with the cosine of the azimuth, below 0 with the sine",
         source: "a ball out of round; a worn or dirty magnetic cup",
         remedy: "turn the ball in its holder and repeat; clean or replace ball and cup",

@@ -124,6 +124,11 @@ impl Element {
         changed
     }
 
+    /// Whether, as it is, several of it make any curve.
+    pub fn makes_any_curve(&self) -> bool {
+        self.shape().is_some_and(|shape| (shape.cause.makes_any_curve)(shape.inner.unwrap_or(0.0)))
+    }
+
     /// Whether the number inside is one that these runs can show: within the limits of its key and, where it is
     /// a part of the way of its axis, short enough for that.
     pub fn possible(&self, residuals: &Residuals) -> bool {

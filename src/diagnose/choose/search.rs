@@ -2,15 +2,15 @@
 //!
 //! At every step each cause of the library is tried on every seat; the one that explains most joins, and all
 //! are fitted anew. A curve of any shape over the same variables is tried as well: where even the best cause
-//! explains less than nearly all that the curve does, it is the best of bad ones, and the curve is taken
-//! instead.
+//! explains less than the curve does, it is the best of bad ones, and the curve is taken instead, until causes
+//! together explain as much.
 
 use rayon::prelude::*;
 
 use crate::diagnose::seek::candidate::{Candidate, Tried};
 use crate::diagnose::seek::screen::{Prospect, Screen};
 use crate::diagnose::seek::{curves, vibration};
-use crate::diagnose::thresholds::{OF_A_CURVE, SHADOW, SHOWS, threshold_mm2};
+use crate::diagnose::thresholds::{OF_A_CURVE, SHADOW, SHOWS, counts_mm2, threshold_mm2};
 use crate::identify::Campaign;
 use crate::residual::{self, Beside, Element, Fitted, Noise, Owner, Residuals, Tuning};
 
@@ -118,7 +118,6 @@ impl<'a> Search<'a> {
         }
         let first = best.clone();
         let best = best.into_iter().next().filter(|best| best.score_mm2 > least);
-        let of_a_curve = |curve: &Tried| OF_A_CURVE * curve.score_mm2;
         let curve =
             with_curves.then(|| curves::best(beside, &prospect.looks, least, &|_| true)).flatten();
         if let Some(tuning) = tuning {
@@ -128,7 +127,7 @@ impl<'a> Search<'a> {
             self.first = first;
         }
         let best = match (best, curve) {
-            (Some(best), Some(curve)) if best.score_mm2 < of_a_curve(&curve) => curve,
+            (Some(best), Some(curve)) if falls_short(beside, &best, &curve) => curve,
             (Some(best), _) => best,
             (None, curve) => curve?,
         };
@@ -146,6 +145,15 @@ impl<'a> Search<'a> {
         let curves = (0..fitted.elements.len()).filter(|k| fitted.elements[*k].shape().is_none());
         curves.map(|k| fitted.part_mm2(k, self.residuals()).sqrt()).fold(0.0, f64::max)
     }
+}
+
+/// Whether a cause explains less than a curve does: of one that bends to any bump, by any more than what counts beside the
+/// curve; of the others, whose edges a curve cannot follow, by much.
+fn falls_short(beside: &Beside, cause: &Tried, curve: &Tried) -> bool {
+    let bends = cause.fitted.elements.iter().any(Element::makes_any_curve);
+    let noise = || Noise::of(beside.residuals, &curve.fitted.left_mm(beside));
+    cause.score_mm2 < OF_A_CURVE * curve.score_mm2
+        || (bends && cause.score_mm2 + counts_mm2(beside.residuals, &noise()) < curve.score_mm2)
 }
 
 /// The most promising candidates fitted to the samples themselves, the best first; nothing where none

@@ -76,10 +76,8 @@ impl Search<'_> {
         let variables = Axis::ALL.map(|axis| [Variable::Position(axis), Variable::Velocity(axis)]);
         for over in variables.into_iter().flatten() {
             let described = best.elements.iter().any(|e| described_over(e) == Some(over));
-            // Beside a curve over a position, so is a roundness: a smooth function of all three.
-            let round =
-                |e: &Element| e.shape().is_some_and(|s| matches!(s.law(), Law::Harmonics(_)));
-            let of_position = matches!(over, Variable::Position(_)) && described;
+            // Over a position so is a roundness, a smooth function of all three.
+            let of_position = matches!(over, Variable::Position(_));
             let makeshift = |e: &Element| smooth_over(e) == Some(over) || (of_position && round(e));
             let smooth = best.elements.iter().filter(|e| makeshift(e)).count();
             if smooth + usize::from(described) < 2 || smooth == 0 {
@@ -135,9 +133,13 @@ fn score_mm2(beside: &Beside, fitted: &Fitted) -> f64 {
 
 /// The variable over which a cause is smooth: of such causes several make any curve.
 fn smooth_over(element: &Element) -> Option<Variable> {
-    let shape = element.shape()?;
-    let smooth = (shape.cause.makes_any_curve)(shape.inner.unwrap_or(0.0));
-    shape.dependence().filter(|_| smooth).map(|of| of.variable)
+    let shape = element.shape().filter(|_| element.makes_any_curve())?;
+    shape.dependence().map(|of| of.variable)
+}
+
+/// Whether it is a smooth function of the direction, and so of all positions.
+fn round(element: &Element) -> bool {
+    element.shape().is_some_and(|shape| matches!(shape.law(), Law::Harmonics(_)))
 }
 
 /// What a curve runs over, either way alike.
