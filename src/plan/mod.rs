@@ -16,6 +16,7 @@ mod plane;
 mod raw;
 mod raw_arc;
 mod raw_feeds;
+mod raw_log;
 mod raw_mounting;
 mod raw_plan;
 mod step;

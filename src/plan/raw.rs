@@ -6,11 +6,9 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::design_request::RawDesign;
-use super::log_format::{
-    DEFAULT_TIME, Format, LengthUnit, ReadingColumn, ReadingKind, TimeColumn, TimeUnit,
-};
 use super::operator::RawOperator;
 use super::parts::{BallBar, Estimation, NamedMounting, Run};
+use super::raw_log::RawLog;
 use super::raw_mounting::{LENGTHS_MM, RawMounting, check_length, mounting_index};
 use super::raw_plan::RawPlan;
 use crate::error::{Error, Result};
@@ -49,9 +47,6 @@ pub(super) struct RawBallBar {
     clock_ppm: Option<Spanned<f64>>,
 }
 
-/// Bounds of a sample rate, Hz: the times of a log with four decimals still tell 5000 a second apart.
-const SLOWEST_HZ: f64 = 0.01;
-const FASTEST_HZ: f64 = 5000.0;
 /// How far a bar reads either way, mm: no log with more is read.
 const RANGES_MM: [f64; 2] = [0.01, 10.0];
 /// Noise of a reading, um: from a tenth of a nanometre, which nothing reads, to a millimetre, which is no measurement.
@@ -84,91 +79,9 @@ impl RawBallBar {
             noise_mm,
             correlated_mm,
             correlation_s: or(self.correlation_s, "correlation_s", 0.3, CORRELATIONS_S)?,
-            sample_rate_hz: match &log.sample_rate_hz {
-                Some(rate) => text.within(rate, "sample_rate_hz", SLOWEST_HZ, FASTEST_HZ)?,
-                None => 10.0,
-            },
+            sample_rate_hz: log.sample_rate_hz(text)?.unwrap_or(10.0),
             clock_tolerance: or(self.clock_ppm, "clock_ppm", 100.0, CLOCKS_PPM)? * 1e-6,
         })
-    }
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-pub(super) struct RawLog {
-    time_column: Option<String>,
-    time_unit: Option<Spanned<String>>,
-    sample_rate_hz: Option<Spanned<f64>>,
-    reading_column: Option<String>,
-    reading_unit: Option<Spanned<String>>,
-    reading: Option<RawReading>,
-    reading_sign: Option<Spanned<i64>>,
-}
-
-#[derive(Deserialize, Clone, Copy, PartialEq, Eq)]
-#[serde(rename_all = "lowercase")]
-enum RawReading {
-    Deviation,
-    Length,
-}
-
-impl RawLog {
-    pub(super) fn check(self, nominal_mm: f64, text: &Text<'_>) -> Result<Format> {
-        let unknown_unit = |written: &Spanned<String>, names: &[&str]| {
-            Error::input(format!("unknown unit `{}`", written.get_ref()))
-                .at(text.place(written.span()))
-                .hint(format!("write one of `{}`", names.join("`, `")))
-        };
-        let defaults = Format::default();
-        let time_suffix = |name: &str| name.rsplit('_').next().and_then(TimeUnit::parse);
-        let time_unit = match &self.time_unit {
-            None => self.time_column.as_deref().and_then(time_suffix).unwrap_or(TimeUnit::Second),
-            Some(unit) => TimeUnit::parse(unit.get_ref())
-                .ok_or_else(|| unknown_unit(unit, &TimeUnit::NAMES))?,
-        };
-        let name = self.reading_column.unwrap_or(defaults.reading.name);
-        // A column such as `length_mm` says its unit itself.
-        let suffix = name.rsplit('_').next().and_then(LengthUnit::parse);
-        let unit = match &self.reading_unit {
-            None => suffix.unwrap_or(LengthUnit::Micrometre),
-            Some(unit) => LengthUnit::parse(unit.get_ref())
-                .ok_or_else(|| unknown_unit(unit, &LengthUnit::NAMES))?,
-        };
-        // A log with a time column keeps it; a rate alone means that there is none.
-        let time = match (self.time_column, &self.sample_rate_hz) {
-            (Some(name), _) => TimeColumn::Named { name, unit: time_unit },
-            (None, Some(rate)) => TimeColumn::Rate {
-                hz: text.within(rate, "sample_rate_hz", SLOWEST_HZ, FASTEST_HZ)?,
-            },
-            (None, None) => TimeColumn::Named { name: DEFAULT_TIME.to_owned(), unit: time_unit },
-        };
-        let kind = match self.reading {
-            Some(RawReading::Length) => ReadingKind::Length { nominal_mm },
-            _ => ReadingKind::Deviation,
-        };
-        let inverted = match &self.reading_sign {
-            None => false,
-            Some(sign) => {
-                match (sign.get_ref(), kind) {
-                    (1, _) => false,
-                    (-1, ReadingKind::Deviation) => true,
-                    (-1, ReadingKind::Length { .. }) => {
-                        return Err(Error::input("a length cannot have a sign of -1")
-                        .at(text.place(sign.span()))
-                        .hint("leave `reading_sign` out: it is for readings of kind \"deviation\""));
-                    }
-                    (other, _) => {
-                        return Err(Error::input(format!("`reading_sign` cannot be {other}"))
-                        .at(text.place(sign.span()))
-                        .hint(
-                            "write -1 where the readings fall as the bar grows, else leave it out",
-                        ));
-                    }
-                }
-            }
-        };
-        let reading = ReadingColumn { name, unit, kind, inverted };
-        Ok(Format { time, reading, delimiter: None })
     }
 }
 
