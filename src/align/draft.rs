@@ -93,6 +93,7 @@ impl Draft {
             began_log_s,
             began_sigma_s,
             other_runs_s: other_runs_s.collect(),
+            log_notes: run.log.notes().to_vec(),
             clipped: Vec::new(),
             slips: Vec::new(),
             reversals: Reversals::of(&self.trajectory),

@@ -92,6 +92,8 @@ pub struct Alignment {
     pub began_sigma_s: f64,
     /// When else the log shows the bar engaged for as long, on its own clock, s: other runs.
     pub other_runs_s: Vec<[f64; 2]>,
+    /// What the reader of the log found by itself; see [`Log::notes`](crate::log::Log::notes).
+    pub log_notes: Vec<String>,
     /// Readings that were cut off at one value; they take no part.
     pub clipped: Vec<Reading>,
     /// Steps that were taken out of the readings after them: the bar slipped.

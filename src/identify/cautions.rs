@@ -36,6 +36,7 @@ pub(super) fn cautions(
     };
     let mut cautions: Vec<String> = runs.iter().filter_map(of_run).collect();
     cautions.extend(runs.iter().find_map(|run| beyond_travel(run, machine)));
+    cautions.extend(runs.iter().flat_map(of_log));
     cautions.extend(runs.iter().flat_map(slipped));
     cautions.extend(runs.iter().flat_map(cut_off));
     cautions.extend(runs.iter().filter_map(other_runs));
@@ -134,6 +135,11 @@ fn beyond_travel(run: &IdentifiedRun, machine: &Machine) -> Option<String> {
     Some(format!(
         "the program {at} in machine coordinates, and the travel of {axis} is {lowest:.1} to {highest:.1} mm: {advice}"
     ))
+}
+
+/// What the reader of its log found by itself.
+fn of_log(run: &IdentifiedRun) -> Vec<String> {
+    run.alignment.log_notes.iter().map(|note| format!("{}: {note}", run.name)).collect()
 }
 
 /// Steps that were taken out.

@@ -1,13 +1,97 @@
-//! Which column a name of the test file means.
+//! Which line names the columns, and which column a name of the test file means.
 
 use std::ops::Range;
 use std::path::Path;
 
-use super::text::{Line, quote};
+use super::clock::Clock;
+use super::number::is_no_reading;
+use super::text::{Line, quote, split};
 use crate::error::{Error, Place, Result};
+use crate::plan::log_format::{Delimiter, Format, LengthUnit, TimeColumn, TimeUnit};
 
 /// So many columns are listed in a message.
 const LISTED: usize = 20;
+/// So many lines that are neither blank nor comments may stand before the names of the columns.
+const LOOKED_AT: usize = 200;
+
+/// The line that names the columns, and what separates them.
+#[derive(Clone, Copy)]
+pub(super) struct Header<'a> {
+    pub(super) line: Line<'a>,
+    pub(super) delimiter: Delimiter,
+}
+
+/// The first line that has all the columns of a format; what loggers write above it is passed over.
+///
+/// # Errors
+/// Where there is none, about the line that probably names them: the last one before the numbers.
+pub(super) fn find_header<'a>(
+    file: &Path,
+    lines: &mut impl Iterator<Item = Line<'a>>,
+    format: &Format,
+) -> Result<Header<'a>> {
+    let mut lines = lines.filter(|line| !line.is_comment() && !line.is_blank()).peekable();
+    let mut told = format.delimiter;
+    if told.is_none() {
+        told = lines.peek().and_then(|line| Delimiter::told(line.text));
+        let _ = lines.next_if(|_| told.is_some());
+    }
+    let delimiters = told.map_or(Delimiter::ALL.to_vec(), |told| vec![told]);
+    let wanted = match &format.time {
+        TimeColumn::Named { name, .. } => vec![name.as_str(), format.reading.name.as_str()],
+        TimeColumn::Rate { .. } => vec![format.reading.name.as_str()],
+    };
+    let mut fields = Vec::new();
+    let mut seen: Vec<Line> = Vec::new();
+    for line in lines.take(LOOKED_AT) {
+        for &delimiter in &delimiters {
+            split(line.text, delimiter, &mut fields);
+            let has = |name: &&str| fields.iter().any(|of| same_name(&line.text[of.clone()], name));
+            if wanted.iter().all(has) {
+                return Ok(Header { line, delimiter });
+            }
+        }
+        seen.push(line);
+    }
+    let Some(&first) = seen.first() else {
+        return Err(Error::input("the log is empty")
+            .at(Place::file(file))
+            .hint("was the capture saved?"));
+    };
+    // The message should list the columns as the user sees them, not one long name.
+    let mut likely = |line: Line| {
+        let mut count = |delimiter: &Delimiter| {
+            split(line.text, *delimiter, &mut fields);
+            fields.len()
+        };
+        let apart = [Delimiter::Comma, Delimiter::Semicolon, Delimiter::Tab];
+        let most = apart.into_iter().max_by_key(&mut count).unwrap_or(Delimiter::Comma);
+        told.unwrap_or(if count(&most) > 1 { most } else { Delimiter::Blanks })
+    };
+    let mut names = first;
+    if !is_data(first, likely(first)) {
+        let mut pairs = seen.windows(2);
+        if let Some(pair) = pairs.find(|pair| is_data(pair[1], likely(pair[1]))) {
+            names = pair[0];
+        }
+    }
+    Ok(Header { line: names, delimiter: likely(names) })
+}
+
+/// Whether a line holds nothing but numbers, times and words for no reading.
+fn is_data(line: Line, delimiter: Delimiter) -> bool {
+    let mut fields = Vec::new();
+    split(line.text, delimiter, &mut fields);
+    let mut written =
+        fields.iter().map(|field| &line.text[field.clone()]).filter(|w| !w.is_empty());
+    let number =
+        |text: &str| text.replace(',', ".").replace('\u{2212}', "-").parse::<f64>().is_ok();
+    let has_digit = |text: &str| text.contains(|c: char| c.is_ascii_digit());
+    let value = |text: &str| {
+        number(text) || is_no_reading(text) || (Clock::is_one(text) && has_digit(text))
+    };
+    written.clone().any(has_digit) && written.all(value)
+}
 
 pub(super) const CHOOSE_COLUMNS: &str = "choose the columns in the test file: `time_column` with \
     `time_unit`, or `sample_rate_hz` where the log has no time; `reading_column` with \
@@ -43,9 +127,9 @@ pub(super) fn find_column(
                 ))
         }
         [] => {
-            let names = (0..fields.len()).map(name).filter(|name| !name.is_empty());
-            let mut listed: Vec<String> = names.clone().take(LISTED).map(quote).collect();
-            match names.count() {
+            let names = || (0..fields.len()).map(name).filter(|name| !name.is_empty());
+            let mut listed: Vec<String> = names().take(LISTED).map(quote).collect();
+            match names().count() {
                 all if all > LISTED => listed.push(format!("and {} more", all - LISTED)),
                 _ => {}
             }
@@ -55,7 +139,7 @@ pub(super) fn find_column(
                 listed.join(", ")
             ))
             .at(Place::line(file, header.number, header.text))
-            .hint(CHOOSE_COLUMNS))
+            .hint(suggested(names()).unwrap_or_else(|| CHOOSE_COLUMNS.to_owned())))
         }
         [.., again] => Err(header
             .error(
@@ -65,4 +149,21 @@ pub(super) fn find_column(
             )
             .hint("rename all but one, or choose another column in the test file")),
     }
+}
+
+/// The lines for the test file where the names of the columns tell their units.
+fn suggested<'a>(mut names: impl Iterator<Item = &'a str> + Clone) -> Option<String> {
+    let time = names.clone().find(|name| TimeUnit::of_column(name).is_some());
+    let reading = names.find(|name| LengthUnit::of_column(name).is_some())?;
+    let line = |key: &str, name: &str| {
+        let mark = if name.contains(['"', '\\']) { '\'' } else { '"' };
+        format!("`{key} = {mark}{name}{mark}`")
+    };
+    let time = time.map_or("`sample_rate_hz`, the readings a second,".to_owned(), |name| {
+        line("time_column", name)
+    });
+    Some(format!(
+        "write {time} and {} under `[log]` in the test file, or the columns that you mean",
+        line("reading_column", reading)
+    ))
 }

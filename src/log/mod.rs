@@ -18,8 +18,10 @@
 //! What is *not* done here: no sample is dropped, smoothed or interpolated, and the clock is not
 //! trusted to be the machine's. What looks wrong is an error with its line, never a guess.
 
+mod clock;
 mod columns;
 mod encoding;
+mod number;
 mod read;
 mod reading;
 mod table;
@@ -27,9 +29,17 @@ mod table;
 #[allow(clippy::float_cmp)] // what is read is exact or wrong
 mod tests;
 mod text;
+#[cfg(test)]
+#[allow(clippy::float_cmp)] // what is read is exact or wrong
+mod variants;
+mod workbook;
+#[cfg(test)]
+#[allow(clippy::float_cmp)] // what is read is exact or wrong
+mod workbook_tests;
 
 pub use crate::plan::log_format::{
-    Delimiter, Format, LengthUnit, ReadingColumn, ReadingKind, TimeColumn, TimeUnit,
+    DecimalMark, Delimiter, Format, LengthUnit, OutOfRange, ReadingColumn, ReadingKind,
+    TextEncoding, TimeColumn, TimeUnit,
 };
 pub use read::{read, read_bytes};
 pub use reading::{Log, Reading};

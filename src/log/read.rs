@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use super::columns::{CHOOSE_COLUMNS, same_name};
+use super::columns::{CHOOSE_COLUMNS, find_header, same_name};
 use super::encoding::as_text;
 use super::reading::Log;
-use super::table::Table;
-use super::text::Line;
+use super::table::{Rows, Table};
+use super::text::lines;
+use super::workbook;
 use crate::error::{Error, Place, Result};
 use crate::input;
 use crate::plan::log_format::{Format, ReadingKind, TimeColumn};
@@ -26,14 +27,19 @@ pub fn read_bytes(bytes: &[u8], file: &Path, format: &Format) -> Result<Log> {
 
 fn read_plain(bytes: &[u8], file: &Path, format: &Format) -> Result<Log> {
     check_format(format)?;
-    let text = as_text(bytes, file)?;
-    let mut lines = (1..).zip(text.lines()).map(|(number, text)| Line { number, text });
-
-    let header = lines.find(|line| !line.is_comment() && !line.is_blank()).ok_or_else(|| {
-        Error::input("the log is empty").at(Place::file(file)).hint("was the capture saved?")
-    })?;
-    let table = Table::new(file, header, format)?;
-    let readings = table.rows(lines)?;
+    let is_sheet = workbook::is_archive(bytes) || workbook::is_compound(bytes);
+    let text = if is_sheet {
+        workbook::as_text(bytes, file, format.sheet.as_deref())?.into()
+    } else {
+        as_text(bytes, file, format)?
+    };
+    let mut lines = lines(&text).skip(format.skip_lines);
+    let header = find_header(file, &mut lines, format)?;
+    let Rows { readings, no_readings } = Table::new(file, header, format, is_sheet)?.rows(lines)?;
+    let noted = |(word, count): (String, usize)| {
+        format!("{count} reading(s) are `{word}` and count as out of range")
+    };
+    let notes = no_readings.into_iter().map(noted).collect();
 
     let unusable =
         |what: String, hint: String| Err(Error::input(what).at(Place::file(file)).hint(hint));
@@ -56,7 +62,7 @@ fn read_plain(bytes: &[u8], file: &Path, format: &Format) -> Result<Log> {
             ),
         );
     }
-    Ok(Log::new(file, readings))
+    Ok(Log::new(file, readings, notes))
 }
 
 /// The part of a format that no file can repair.

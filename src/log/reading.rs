@@ -20,6 +20,7 @@ pub struct Log {
     file: PathBuf,
     readings: Vec<Reading>,
     period_s: f64,
+    notes: Vec<String>,
 }
 
 impl Log {
@@ -27,12 +28,12 @@ impl Log {
     pub const GAP_PERIODS: f64 = 1.5;
 
     /// Takes over readings for which the reader has established what [`Log`] promises.
-    pub(super) fn new(file: &Path, readings: Vec<Reading>) -> Self {
+    pub(super) fn new(file: &Path, readings: Vec<Reading>, notes: Vec<String>) -> Self {
         let mut steps: Vec<f64> =
             readings.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
         let middle = steps.len() / 2;
         let period_s = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
-        Self { file: file.to_path_buf(), readings, period_s }
+        Self { file: file.to_path_buf(), readings, period_s, notes }
     }
 
     /// The same log as it would be with its times and its readings in other units.
@@ -46,6 +47,7 @@ impl Log {
             file: self.file.clone(),
             readings: self.readings.iter().map(scaled).collect(),
             period_s: time * self.period_s,
+            notes: self.notes.clone(),
         }
     }
 
@@ -61,6 +63,11 @@ impl Log {
     /// The file it was read from, as the user named it.
     pub fn file(&self) -> &Path {
         &self.file
+    }
+
+    /// What the reader found by itself and the user should know, sentences without a full stop.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     /// All samples, in and out of range.

@@ -3,13 +3,13 @@
 use std::ops::Range;
 use std::path::Path;
 
-use super::columns::find_column;
+use super::clock::Clock;
+use super::columns::{Header, find_column};
+use super::number::{Fault, Numbers, is_nines, is_no_reading};
 use super::reading::Reading;
-use super::text::{Line, Numbers, quote, split};
+use super::text::{Line, quote, split};
 use crate::error::{Error, Result};
-use crate::plan::log_format::{
-    Delimiter, Format, LengthUnit, ReadingColumn, ReadingKind, TimeColumn, TimeUnit,
-};
+use crate::plan::log_format::{Delimiter, Format, LengthUnit, ReadingKind, TimeColumn, TimeUnit};
 
 /// No telescoping ball-bar reaches further than a few mm; beyond this the unit is wrong.
 const LARGEST_DEVIATION_MM: f64 = 10.0;
@@ -18,6 +18,12 @@ const LARGEST_DEVIATION_MM: f64 = 10.0;
 const MOST_READINGS: usize = 4_000_000;
 /// No clock has gone for longer, s: three hundred years, whichever day its times count from.
 const LATEST_S: f64 = 1e10;
+
+/// A bar that reads so many times its range is none: ranges are stated by eye.
+const BEYOND: f64 = 2.0;
+/// So many words for no reading are told apart.
+const MOST_WORDS: usize = 8;
+const OTHER_WORDS: &str = "...";
 
 const PLAIN_READING: &str = "a reading is a plain number; where the bar is out of range, leave \
     the field empty";
@@ -28,7 +34,7 @@ const LATER: &str = "times must increase from line to line: were two captures jo
     file does without them";
 
 /// Where the time of a row comes from.
-enum Clock {
+enum Times {
     Column { index: usize, unit: TimeUnit },
     Rate { hz: f64 },
 }
@@ -39,35 +45,21 @@ pub(super) struct Table<'a> {
     delimiter: Delimiter,
     /// Fields of the header, and so of every row.
     width: usize,
-    clock: Clock,
+    /// Rows of a sheet end with their last cell, and may have others beside the table.
+    is_sheet: bool,
+    times: Times,
     reading: usize,
-    column: &'a ReadingColumn,
+    format: &'a Format,
 }
 
 impl<'a> Table<'a> {
-    pub(super) fn new(file: &'a Path, header: Line<'a>, format: &'a Format) -> Result<Self> {
-        if let Some(delimiter) = format.delimiter {
-            return Self::with_delimiter(file, header, format, delimiter);
-        }
-        let attempts = Delimiter::ALL.map(|d| Self::with_delimiter(file, header, format, d));
-        if let Some(table) = attempts.into_iter().find_map(Result::ok) {
-            return Ok(table);
-        }
-        // The message should list the columns as the user sees them, not one long name.
-        let mut fields = Vec::new();
-        let likely = Delimiter::ALL.into_iter().max_by_key(|&d| {
-            split(header.text, d, &mut fields);
-            fields.len()
-        });
-        Self::with_delimiter(file, header, format, likely.unwrap_or(Delimiter::Comma))
-    }
-
-    fn with_delimiter(
+    pub(super) fn new(
         file: &'a Path,
-        header: Line<'a>,
+        header: Header<'a>,
         format: &'a Format,
-        delimiter: Delimiter,
+        is_sheet: bool,
     ) -> Result<Self> {
+        let Header { line: header, delimiter } = header;
         let mut fields = Vec::new();
         split(header.text, delimiter, &mut fields);
         let find = |name: &str| find_column(file, header, &fields, name);
@@ -75,20 +67,25 @@ impl<'a> Table<'a> {
             file,
             delimiter,
             width: fields.len(),
-            clock: match &format.time {
+            is_sheet,
+            times: match &format.time {
                 TimeColumn::Named { name, unit } => {
-                    Clock::Column { index: find(name)?, unit: *unit }
+                    Times::Column { index: find(name)?, unit: *unit }
                 }
-                TimeColumn::Rate { hz } => Clock::Rate { hz: *hz },
+                TimeColumn::Rate { hz } => Times::Rate { hz: *hz },
             },
             reading: find(&format.reading.name)?,
-            column: &format.reading,
+            format,
         })
     }
 
-    pub(super) fn rows(&self, lines: impl Iterator<Item = Line<'a>>) -> Result<Vec<Reading>> {
+    /// The readings, and what stood where there was none, each word with how often.
+    pub(super) fn rows(&self, lines: impl Iterator<Item = Line<'a>>) -> Result<Rows> {
         let mut readings: Vec<Reading> = Vec::new();
-        let mut numbers = Numbers::new(self.delimiter);
+        let mut no_readings = Vec::new();
+        let mut numbers = Numbers::new(self.delimiter, self.format);
+        let mut clock = Clock::default();
+        let mut by_clock = None;
         let mut fields = Vec::new();
         let mut earlier = "";
         for line in lines {
@@ -96,20 +93,36 @@ impl<'a> Table<'a> {
                 continue;
             }
             split(line.text, self.delimiter, &mut fields);
-            if fields.len() != self.width {
+            if self.is_sheet {
+                let end = line.text.len();
+                fields.resize(self.width.max(fields.len()), end..end);
+                if self.is_beside(&fields) {
+                    continue;
+                }
+            } else if fields.len() != self.width {
                 return Err(self.wrong_width(line, &fields));
             }
-            let time_s = match self.clock {
-                Clock::Rate { hz } => readings.len() as f64 / hz,
-                Clock::Column { index, unit } => {
+            let time_s = match self.times {
+                Times::Rate { hz } => readings.len() as f64 / hz,
+                Times::Column { index, unit } => {
                     let field = &fields[index];
                     let written = &line.text[field.clone()];
                     let fail = |what| line.error(self.file, field, what);
                     if written.is_empty() {
                         return Err(fail("the time is missing".to_owned()).hint(PLAIN_TIME));
                     }
-                    let time_s = numbers
-                        .parse(written, |value| unit.to_s(value))
+                    let of_day = Clock::is_one(written);
+                    if *by_clock.get_or_insert(of_day) != of_day {
+                        let what =
+                            format!("{} among times that are written otherwise", quote(written));
+                        return Err(fail(what).hint(LATER));
+                    }
+                    let time_s = if of_day {
+                        clock.parse(written)
+                    } else {
+                        numbers.parse(written, |value| unit.to_s(value))
+                    };
+                    let time_s = time_s
                         .map_err(|fault| fail(fault.what).hint(fault.hint.unwrap_or(PLAIN_TIME)))?;
                     if time_s.abs() > LATEST_S {
                         return Err(fail(format!(
@@ -142,10 +155,14 @@ impl<'a> Table<'a> {
                     )
                     .hint("export fewer readings a second, or only the time of the program"));
             }
-            let deviation_mm = self.deviation_mm(line, &fields[self.reading], &mut numbers)?;
+            let field = &fields[self.reading];
+            let deviation_mm = self.deviation_mm(line, field, &mut numbers)?;
+            if deviation_mm.is_none() && !field.is_empty() {
+                count(&line.text[field.clone()], &mut no_readings);
+            }
             readings.push(Reading { time_s, deviation_mm, line: line.number });
         }
-        Ok(readings)
+        Ok(Rows { readings, no_readings })
     }
 
     fn deviation_mm(
@@ -155,31 +172,65 @@ impl<'a> Table<'a> {
         numbers: &mut Numbers,
     ) -> Result<Option<f64>> {
         let written = &line.text[field.clone()];
-        if written.is_empty() {
+        let out_of_range = &self.format.out_of_range;
+        if written.is_empty() || is_no_reading(written) || out_of_range.has_word(written) {
             return Ok(None);
         }
         let fail = |what| line.error(self.file, field, what);
-        let ReadingColumn { unit, kind, inverted, .. } = self.column;
-        let value_mm = numbers
-            .parse(written, |value| unit.to_mm(value))
-            .map_err(|fault| fail(fault.what).hint(fault.hint.unwrap_or(PLAIN_READING)))?;
-        let (deviation_mm, kind) = match *kind {
+        let refused = |Fault { what, hint }| {
+            let word = format!(
+                "{PLAIN_READING}, or, if that is what {} means, write {} under `[log]` in the test file",
+                quote(written),
+                out_of_range_line(written)
+            );
+            let hint = hint.map_or(
+                if written.len() > LONGEST_WORD { PLAIN_READING.to_owned() } else { word },
+                str::to_owned,
+            );
+            fail(what).hint(hint)
+        };
+        let value = numbers.parse(written, |value| value).map_err(refused)?;
+        if out_of_range.has_number(value) {
+            return Ok(None);
+        }
+        let (unit, kind) = (self.format.reading.unit, self.format.reading.kind);
+        let value_mm = unit.to_mm(value);
+        let (deviation_mm, told) = match kind {
             ReadingKind::Deviation => (value_mm, "\"deviation\"".to_owned()),
             ReadingKind::Length { nominal_mm } => {
                 (value_mm - nominal_mm, format!("\"length\" (nominal {nominal_mm} mm)"))
             }
         };
-        if deviation_mm.abs() <= LARGEST_DEVIATION_MM {
-            return Ok(Some(if *inverted { -deviation_mm } else { deviation_mm }));
+        if deviation_mm.abs() > BEYOND * self.format.range_mm && is_nines(written) {
+            return Ok(None);
         }
-        let hint =
-            other_reading(*unit, self.column.kind, numbers.parse(written, |value| value).ok());
+        if deviation_mm.abs() <= LARGEST_DEVIATION_MM {
+            return Ok(Some(if self.format.reading.inverted {
+                -deviation_mm
+            } else {
+                deviation_mm
+            }));
+        }
+        let hint = other_reading(unit, kind, Some(value));
         let unit = unit.name();
         Err(fail(format!(
             "reading {written} {unit} is a deviation of {} mm, which no ball-bar reaches",
             short(deviation_mm)
         ))
-        .hint(format!("`reading_unit` is \"{unit}\" and `reading` is {kind}: {hint}")))
+        .hint(format!(
+            "`reading_unit` is \"{unit}\" and `reading` is {told}: {hint}; if the instrument writes {written} where the bar is out of range, write {} there",
+            out_of_range_line(written)
+        )))
+    }
+
+    /// Whether a row has nothing in the columns of the table.
+    fn is_beside(&self, fields: &[Range<usize>]) -> bool {
+        match self.times {
+            Times::Column { index, .. } => {
+                fields[index].is_empty() && fields[self.reading].is_empty()
+            }
+            Times::Rate { .. } => false,
+        }
     }
 
     /// Whether a line with nothing to see on it is a sample out of range.
@@ -193,19 +244,51 @@ impl<'a> Table<'a> {
         let what = format!("{found} field{plural} where the header has {wanted}");
         if found < wanted {
             let end = line.text.len();
-            return line.error(self.file, &(end..end), what).hint(
+            let hint = if self.delimiter == Delimiter::Blanks {
+                "where blanks separate the fields, none can be empty: out of range needs a word, such as NaN"
+            } else {
                 "was the log cut off here? a sample out of range keeps its delimiter: only its \
-                 reading is empty",
-            );
+                 reading is empty"
+            };
+            return line.error(self.file, &(end..end), what).hint(hint);
         }
         let error = line.error(self.file, &(fields[wanted].start..line.text.len()), what);
         match self.delimiter {
             Delimiter::Comma => error.hint(
-                "every row must have the fields of the header; a decimal comma is read only where \
-                 semicolons or tabs separate the fields",
+                "every row must have the fields of the header; a decimal comma cannot \
+                 separate the fields as well: export the log with semicolons or tabs between them, or with \
+                 decimal points",
             ),
             _ => error.hint("every row must have the fields of the header"),
         }
+    }
+}
+
+/// What a table holds.
+pub(super) struct Rows {
+    pub(super) readings: Vec<Reading>,
+    /// What stood where there was no reading, and how often.
+    pub(super) no_readings: Vec<(String, usize)>,
+}
+
+/// Words are short.
+const LONGEST_WORD: usize = 20;
+
+fn count(word: &str, counts: &mut Vec<(String, usize)>) {
+    let known = counts.len() < MOST_WORDS || counts.iter().any(|(known, _)| known == word);
+    let word = if known { word } else { OTHER_WORDS };
+    match counts.iter_mut().find(|(known, _)| known == word) {
+        Some((_, count)) => *count += 1,
+        None => counts.push((word.to_owned(), 1)),
+    }
+}
+
+/// The line of the test file that makes a word or a number no reading.
+fn out_of_range_line(written: &str) -> String {
+    if written.parse::<f64>().is_ok() {
+        format!("`out_of_range = {written}`")
+    } else {
+        format!("`out_of_range = \"{written}\"`")
     }
 }
 

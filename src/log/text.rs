@@ -1,4 +1,4 @@
-//! Lines, fields and numbers of a log, without an allocation a row.
+//! Lines and fields of a log, without an allocation a row.
 
 use std::ops::Range;
 use std::path::Path;
@@ -17,11 +17,11 @@ pub(super) struct Line<'a> {
 
 impl Line<'_> {
     pub(super) fn is_comment(self) -> bool {
-        self.text.trim_ascii_start().starts_with('#')
+        self.text.trim_start().starts_with('#')
     }
 
     pub(super) fn is_blank(self) -> bool {
-        self.text.trim_ascii_start().is_empty()
+        self.text.trim_start().is_empty()
     }
 
     /// An error about a range of bytes of this line.
@@ -32,12 +32,29 @@ impl Line<'_> {
     }
 }
 
+/// The lines of a text, numbered from 1. Where nothing else ends a line, CR does; DOS ended a file with ^Z.
+pub(super) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
+    const END_OF_FILE: char = '\u{1A}';
+    let trimmed = text.trim_end_matches(|c: char| c.is_whitespace() || c == END_OF_FILE);
+    // Without the mark, blank lines at the end are readings where there is a single column.
+    let text = if text[trimmed.len()..].contains(END_OF_FILE) { trimmed } else { text };
+    let end = if text.contains('\n') { '\n' } else { '\r' };
+    let lines = text.strip_suffix(end).unwrap_or(text).split(end);
+    (1..).zip(lines).map(|(number, text)| Line { number, text: text.trim_end_matches('\r') })
+}
+
 /// The fields of a line, without the blanks and the quotes around them.
 ///
 /// A quoted field may hold the delimiter but not the end of its line: a quote that is never closed
 /// then spoils one line, and not the file from there on.
 pub(super) fn split(line: &str, delimiter: Delimiter, fields: &mut Vec<Range<usize>>) {
     fields.clear();
+    if delimiter == Delimiter::Blanks {
+        let words = line.split_whitespace();
+        let start = |word: &str| word.as_ptr() as usize - line.as_ptr() as usize;
+        fields.extend(words.map(|word| content(line, start(word)..start(word) + word.len())));
+        return;
+    }
     let delimiter = delimiter.byte();
     let (mut start, mut quoted) = (0, false);
     for (i, byte) in line.bytes().enumerate() {
@@ -53,9 +70,9 @@ pub(super) fn split(line: &str, delimiter: Delimiter, fields: &mut Vec<Range<usi
 
 fn content(line: &str, field: Range<usize>) -> Range<usize> {
     let trim = |field: Range<usize>| {
-        let text = line[field.clone()].trim_ascii_start();
+        let text = line[field.clone()].trim_start();
         let start = field.end - text.len();
-        start..start + text.trim_ascii_end().len()
+        start..start + text.trim_end().len()
     };
     let field = trim(field);
     let text = &line[field.clone()];
@@ -75,67 +92,4 @@ pub(super) fn quote(text: &str) -> String {
         shown.push('…');
     }
     format!("`{shown}`")
-}
-
-/// Why a field is not a number.
-#[derive(Debug)]
-pub(super) struct Fault {
-    pub(super) what: String,
-    /// What to do about it, when that does not depend on the column.
-    pub(super) hint: Option<&'static str>,
-}
-
-/// Reads the numbers of one log.
-pub(super) struct Numbers {
-    comma_allowed: bool,
-    /// The decimal mark of the numbers so far. One log has one: where some numbers have a point,
-    /// `1,234` is more likely to be a thousand than one and a bit.
-    mark: Option<char>,
-    with_point: String,
-}
-
-impl Numbers {
-    pub(super) fn new(delimiter: Delimiter) -> Self {
-        Self { comma_allowed: delimiter != Delimiter::Comma, mark: None, with_point: String::new() }
-    }
-
-    /// The number that is written, in the unit that `convert` gives it; always finite.
-    pub(super) fn parse(
-        &mut self,
-        written: &str,
-        convert: impl Fn(f64) -> f64,
-    ) -> Result<f64, Fault> {
-        let fault = |what| Fault { what, hint: None };
-        let mut plain = written;
-        if self.comma_allowed
-            && let Some(mark) = written.chars().find(|c| matches!(c, '.' | ','))
-        {
-            if *self.mark.get_or_insert(mark) != mark {
-                return Err(Fault {
-                    what: format!(
-                        "{} has another decimal mark than the numbers above",
-                        quote(written)
-                    ),
-                    hint: Some(
-                        "write every number with the same decimal mark and without separators of \
-                         thousands",
-                    ),
-                });
-            }
-            if mark == ',' {
-                self.with_point.clear();
-                self.with_point.extend(written.chars().map(|c| if c == ',' { '.' } else { c }));
-                // `1,234.5` would become `1.234.5`, which is no number either.
-                plain = &self.with_point;
-            }
-        }
-        let value: f64 =
-            plain.parse().map_err(|_| fault(format!("{} is not a number", quote(written))))?;
-        let value = convert(value);
-        if value.is_finite() {
-            Ok(value)
-        } else {
-            Err(fault(format!("{} is not a finite number", quote(written))))
-        }
-    }
 }

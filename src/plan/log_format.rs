@@ -1,5 +1,13 @@
 //! What the columns of a log mean.
 
+pub use super::log_text::{DecimalMark, OutOfRange, TextEncoding};
+
+/// The unit at the end of a column's name: of `length_mm`, `Time (s)`, `Abweichung [µm]`.
+fn at_the_end<T>(name: &str, parse: impl Fn(&str) -> Option<T>) -> Option<T> {
+    let between = |c: char| c.is_whitespace() || "_[](){}/:;,.".contains(c);
+    name.split(between).rfind(|word| !word.is_empty()).and_then(parse)
+}
+
 /// Unit of a column of times.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TimeUnit {
@@ -11,23 +19,32 @@ pub enum TimeUnit {
     Microsecond,
     /// Minutes.
     Minute,
+    /// Days: the times of Excel, as numbers.
+    Day,
 }
 
 impl TimeUnit {
     /// Every unit.
-    pub const ALL: [Self; 4] = [Self::Second, Self::Millisecond, Self::Microsecond, Self::Minute];
+    pub const ALL: [Self; 5] =
+        [Self::Second, Self::Millisecond, Self::Microsecond, Self::Minute, Self::Day];
     /// The names that [`TimeUnit::parse`] knows.
-    pub const NAMES: [&str; 4] = ["s", "ms", "us", "min"];
+    pub const NAMES: [&str; 5] = ["s", "ms", "us", "min", "d"];
 
     /// The unit of a name as a test file gives it.
     pub fn parse(name: &str) -> Option<Self> {
         match name {
             "s" => Some(Self::Second),
             "ms" => Some(Self::Millisecond),
-            "us" => Some(Self::Microsecond),
+            "us" | "\u{b5}s" | "\u{3bc}s" => Some(Self::Microsecond),
             "min" => Some(Self::Minute),
+            "d" => Some(Self::Day),
             _ => None,
         }
+    }
+
+    /// The unit that the name of a column ends with.
+    pub fn of_column(name: &str) -> Option<Self> {
+        at_the_end(name, Self::parse)
     }
 
     /// The name as a test file gives it.
@@ -37,6 +54,7 @@ impl TimeUnit {
             Self::Millisecond => "ms",
             Self::Microsecond => "us",
             Self::Minute => "min",
+            Self::Day => "d",
         }
     }
 
@@ -48,6 +66,7 @@ impl TimeUnit {
             Self::Millisecond => value / 1e3,
             Self::Microsecond => value / 1e6,
             Self::Minute => value * 60.0,
+            Self::Day => value * 86_400.0,
         }
     }
 }
@@ -75,11 +94,16 @@ impl LengthUnit {
     pub fn parse(name: &str) -> Option<Self> {
         match name {
             "mm" => Some(Self::Millimetre),
-            "um" => Some(Self::Micrometre),
+            "um" | "\u{b5}m" | "\u{3bc}m" => Some(Self::Micrometre),
             "nm" => Some(Self::Nanometre),
             "inch" => Some(Self::Inch),
             _ => None,
         }
+    }
+
+    /// The unit that the name of a column ends with.
+    pub fn of_column(name: &str) -> Option<Self> {
+        at_the_end(name, Self::parse)
     }
 
     /// The name as a test file gives it.
@@ -154,17 +178,32 @@ pub enum Delimiter {
     Semicolon,
     /// A tab; numbers may have a decimal comma.
     Tab,
+    /// Spaces or tabs, as many as there are; no field can be empty then. Numbers may have a decimal comma.
+    Blanks,
 }
 
 impl Delimiter {
     /// Every delimiter, in the order in which they are tried.
-    pub const ALL: [Self; 3] = [Self::Comma, Self::Semicolon, Self::Tab];
+    pub const ALL: [Self; 4] = [Self::Comma, Self::Semicolon, Self::Tab, Self::Blanks];
+
+    /// The delimiter of a first line such as `sep=;`, with which Excel is told.
+    pub(crate) fn told(line: &str) -> Option<Self> {
+        let line = line.trim_start().trim_start_matches('"').to_lowercase();
+        match line.strip_prefix("sep=")?.chars().next() {
+            None | Some(',' | '"') => Some(Self::Comma),
+            Some(';') => Some(Self::Semicolon),
+            Some('\t') => Some(Self::Tab),
+            Some(' ') => Some(Self::Blanks),
+            Some(_) => None,
+        }
+    }
 
     pub(crate) fn byte(self) -> u8 {
         match self {
             Self::Comma => b',',
             Self::Semicolon => b';',
             Self::Tab => b'\t',
+            Self::Blanks => b' ',
         }
     }
 }
@@ -184,6 +223,18 @@ pub struct Format {
     /// What separates the fields; `None` looks at the header: the delimiter by which it holds the
     /// wanted columns.
     pub delimiter: Option<Delimiter>,
+    /// How its text is coded; `None` looks at it.
+    pub encoding: Option<TextEncoding>,
+    /// Lines at its beginning that are not looked at.
+    pub skip_lines: usize,
+    /// The mark of its decimals; `None` looks at its numbers.
+    pub decimal_mark: Option<DecimalMark>,
+    /// What stands where the bar is out of range.
+    pub out_of_range: OutOfRange,
+    /// The bar reads this much either way and nothing beyond, mm.
+    pub range_mm: f64,
+    /// Name of the sheet of a workbook; `None` takes the only one that has cells.
+    pub sheet: Option<String>,
 }
 
 impl Default for Format {
@@ -197,6 +248,12 @@ impl Default for Format {
                 inverted: false,
             },
             delimiter: None,
+            encoding: None,
+            skip_lines: 0,
+            decimal_mark: None,
+            out_of_range: OutOfRange::default(),
+            range_mm: 1.2,
+            sheet: None,
         }
     }
 }

@@ -8,6 +8,7 @@ mod clearance;
 mod design_request;
 mod leg;
 pub mod log_format;
+mod log_text;
 mod operator;
 mod parts;
 mod path;

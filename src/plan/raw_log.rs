@@ -4,7 +4,8 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::log_format::{
-    DEFAULT_TIME, Format, LengthUnit, ReadingColumn, ReadingKind, TimeColumn, TimeUnit,
+    DEFAULT_TIME, DecimalMark, Format, LengthUnit, OutOfRange, ReadingColumn, ReadingKind,
+    TextEncoding, TimeColumn, TimeUnit,
 };
 use crate::error::{Error, Result};
 use crate::toml_text::Text;
@@ -23,6 +24,11 @@ pub(super) struct RawLog {
     reading_unit: Option<Spanned<String>>,
     reading: Option<RawReading>,
     reading_sign: Option<Spanned<i64>>,
+    encoding: Option<Spanned<String>>,
+    skip_lines: Option<Spanned<f64>>,
+    decimal_mark: Option<Spanned<String>>,
+    out_of_range: Option<Spanned<toml::Value>>,
+    sheet: Option<String>,
 }
 
 #[derive(Deserialize, Clone, Copy, PartialEq, Eq)]
@@ -38,25 +44,34 @@ impl RawLog {
         self.sample_rate_hz.as_ref().map(within).transpose()
     }
 
-    pub(super) fn check(self, nominal_mm: f64, text: &Text<'_>) -> Result<Format> {
+    pub(super) fn check(self, nominal_mm: f64, range_mm: f64, text: &Text<'_>) -> Result<Format> {
         let unknown_unit = |written: &Spanned<String>, names: &[&str]| {
             Error::input(format!("unknown unit `{}`", written.get_ref()))
                 .at(text.place(written.span()))
                 .hint(format!("write one of `{}`", names.join("`, `")))
         };
         let defaults = Format::default();
+        let encoding = self.encoding.as_ref().map(|name| encoding(name, text)).transpose()?;
+        let decimal_mark =
+            self.decimal_mark.as_ref().map(|mark| decimal_mark(mark, text)).transpose()?;
+        let out_of_range =
+            self.out_of_range.as_ref().map(|of| out_of_range(of, text)).transpose()?;
+        let skip_lines =
+            self.skip_lines.as_ref().map(|lines| skip_lines(lines, text)).transpose()?;
         let rate_hz = self.sample_rate_hz(text)?;
-        let time_suffix = |name: &str| name.rsplit('_').next().and_then(TimeUnit::parse);
         let time_unit = match &self.time_unit {
-            None => self.time_column.as_deref().and_then(time_suffix).unwrap_or(TimeUnit::Second),
+            None => self
+                .time_column
+                .as_deref()
+                .and_then(TimeUnit::of_column)
+                .unwrap_or(TimeUnit::Second),
             Some(unit) => TimeUnit::parse(unit.get_ref())
                 .ok_or_else(|| unknown_unit(unit, &TimeUnit::NAMES))?,
         };
         let name = self.reading_column.unwrap_or(defaults.reading.name);
         // A column such as `length_mm` says its unit itself.
-        let suffix = name.rsplit('_').next().and_then(LengthUnit::parse);
         let unit = match &self.reading_unit {
-            None => suffix.unwrap_or(LengthUnit::Micrometre),
+            None => LengthUnit::of_column(&name).unwrap_or(LengthUnit::Micrometre),
             Some(unit) => LengthUnit::parse(unit.get_ref())
                 .ok_or_else(|| unknown_unit(unit, &LengthUnit::NAMES))?,
         };
@@ -92,6 +107,77 @@ impl RawLog {
             }
         };
         let reading = ReadingColumn { name, unit, kind, inverted };
-        Ok(Format { time, reading, delimiter: None })
+        Ok(Format {
+            time,
+            reading,
+            encoding,
+            skip_lines: skip_lines.unwrap_or(0),
+            decimal_mark,
+            out_of_range: out_of_range.unwrap_or_default(),
+            range_mm,
+            sheet: self.sheet,
+            delimiter: None,
+        })
     }
+}
+
+fn encoding(name: &Spanned<String>, text: &Text<'_>) -> Result<TextEncoding> {
+    TextEncoding::parse(name.get_ref()).ok_or_else(|| {
+        Error::input(format!("unknown encoding `{}`", name.get_ref()))
+            .at(text.place(name.span()))
+            .hint("write `utf-8`, `utf-16le`, `utf-16be`, `windows-1252` or another name of the WHATWG Encoding Standard")
+    })
+}
+
+fn decimal_mark(mark: &Spanned<String>, text: &Text<'_>) -> Result<DecimalMark> {
+    DecimalMark::parse(mark.get_ref()).ok_or_else(|| {
+        Error::input(format!("`{}` is no decimal mark", mark.get_ref()))
+            .at(text.place(mark.span()))
+            .hint("write `.` or `,`")
+    })
+}
+
+/// No program writes more than that before its table.
+const MOST_SKIPPED: f64 = 100_000.0;
+
+fn skip_lines(lines: &Spanned<f64>, text: &Text<'_>) -> Result<usize> {
+    let count = text.within(lines, "skip_lines", 0.0, MOST_SKIPPED)?;
+    if count.fract() > 0.0 {
+        return Err(Error::input(format!("`skip_lines` cannot be {count}"))
+            .at(text.place(lines.span()))
+            .hint("give a whole number of lines"));
+    }
+    Ok(count as usize)
+}
+
+/// So many words and numbers for one thing are a mistake.
+const MOST_OUT_OF_RANGE: usize = 100;
+
+/// A word or a number, or a list of them.
+fn out_of_range(written: &Spanned<toml::Value>, text: &Text<'_>) -> Result<OutOfRange> {
+    let each = match written.get_ref() {
+        toml::Value::Array(each) => each.as_slice(),
+        one => std::slice::from_ref(one),
+    };
+    let mut found = OutOfRange::default();
+    if each.len() > MOST_OUT_OF_RANGE {
+        return Err(Error::input(format!(
+            "`out_of_range` has more than {MOST_OUT_OF_RANGE} entries"
+        ))
+        .at(text.place(written.span()))
+        .hint("one or two are usual"));
+    }
+    for value in each {
+        match value {
+            toml::Value::String(word) => found.words.push(word.trim().to_owned()),
+            toml::Value::Integer(number) => found.numbers.push(*number as f64),
+            toml::Value::Float(number) => found.numbers.push(*number),
+            _ => {
+                return Err(Error::input("`out_of_range` is a word, a number, or a list of them")
+                    .at(text.place(written.span()))
+                    .hint("write what stands in the log where the bar is out of range, such as `out_of_range = [\"OVER\", 9999.9]`"));
+            }
+        }
+    }
+    Ok(found)
 }

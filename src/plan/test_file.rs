@@ -44,7 +44,7 @@ impl Test {
         let raw: RawTest = text.parse()?;
         let beside = |path: &str| file.parent().unwrap_or(Path::new("")).join(path);
         let ball_bar = raw.ball_bar.check(&raw.log, &text)?;
-        let log_format = raw.log.check(ball_bar.length_mm, &text)?;
+        let log_format = raw.log.check(ball_bar.length_mm, ball_bar.range_mm, &text)?;
         let mountings = check_mountings(&raw.mounting, &ball_bar, &text)?;
         let design = raw.design.map(|design| design.check(ball_bar.range_mm, &text)).transpose()?;
         let designed = design.is_some();

@@ -12,6 +12,7 @@ mod good;
 mod hide;
 mod instrument;
 mod killed;
+mod logs;
 mod mountings;
 mod plan;
 mod planes;

@@ -18,8 +18,12 @@ pub const TARGET: Target = Target {
             "deviation_um\n1\n\n2.5\n-3\n\n",
             "t_ms,length_mm\n0,150.1\n10,150.2\n20,149.9\n",
             "\u{feff}time_s,deviation_um\r\n0.0,1\r\n0.1,2\r\n",
+            "sep=;\r\nlog of a bar\r\ntime_s;deviation_um\r\n08:00:00,0;OVER\r\n08:00:00,1;2\r\n",
+            "time_s deviation_um\r59:59.9 9999.9\r00:00.1 \u{2212}2\r\u{1a}",
+            "time_s,deviation_um\n2026-11-23T23:59:59Z,---\n2026-11-24T00:00:00Z,\"6,3\"\n",
         ];
         let mut seeds: Vec<Vec<u8>> = texts.map(|text| text.as_bytes().to_vec()).into();
+        seeds.push(texts[0].encode_utf16().flat_map(u16::to_le_bytes).collect());
         for packed in seeds::all_of_project("tests/data", ".csv.gz").iter().take(6) {
             let mut plain = Vec::new();
             let unpacked = std::io::Read::read_to_end(
@@ -51,6 +55,10 @@ pub const TARGET: Target = Target {
         "1e3",
         "1E-3",
         "+1",
+        "PM",
+        "23:59:59.9",
+        "sep=",
+        "NaN",
     ],
     made: &[
         // A column of nothing but line ends, packed small: two bytes a reading of 24.
@@ -73,12 +81,13 @@ fn read(input: &[u8]) -> bool {
         Format {
             time: TimeColumn::Rate { hz: 10.0 },
             reading: column("deviation_um", LengthUnit::Micrometre, ReadingKind::Deviation, true),
-            delimiter: None,
+            ..Format::default()
         },
         Format {
             time: TimeColumn::Named { name: "t_ms".into(), unit: TimeUnit::Millisecond },
             reading: column("length_mm", LengthUnit::Millimetre, long, false),
             delimiter: Some(Delimiter::Comma),
+            ..Format::default()
         },
     ];
     let mut taken = false;

@@ -13,6 +13,7 @@ mod program;
 mod scenario;
 mod simulate;
 mod test;
+mod workbook;
 
 /// A reader.
 #[derive(Debug, Clone, Copy)]
@@ -30,13 +31,14 @@ pub struct Target {
 }
 
 /// All of them.
-pub const ALL: [Target; 13] = [
+pub const ALL: [Target; 14] = [
     machine::TARGET,
     test::TARGET,
     scenario::TARGET,
     model::TARGET,
     effect::TARGET,
     log::TARGET,
+    workbook::TARGET,
     program::TARGET,
     check::TARGET,
     plan::TARGET,
