@@ -11,6 +11,7 @@ use super::parts::{BallBar, Estimation, NamedMounting, Run};
 use super::raw_log::RawLog;
 use super::raw_mounting::{LENGTHS_MM, RawMounting, check_length, mounting_index};
 use super::raw_plan::RawPlan;
+use super::record::RawRecord;
 use crate::error::{Error, Result};
 use crate::model;
 use crate::solve::Loss;
@@ -29,6 +30,8 @@ pub(super) struct RawTest {
     pub(super) design: Option<RawDesign>,
     #[serde(default)]
     pub(super) operator: RawOperator,
+    #[serde(default)]
+    pub(super) record: RawRecord,
     #[serde(default)]
     pub(super) identify: RawEstimation,
     #[serde(default)]

@@ -11,6 +11,7 @@ use super::operator::Operator;
 use super::parts::{BallBar, Estimation, NamedMounting, PathPlan, Run};
 use super::raw::RawTest;
 use super::raw_mounting::check_mountings;
+use super::record::Record;
 use crate::error::{Error, Place, Result};
 use crate::machine::{Machine, Mounting};
 use crate::toml_text::{self, Text};
@@ -28,6 +29,7 @@ pub struct Test {
     plan: Option<PathPlan>,
     design: Option<DesignRequest>,
     operator: Operator,
+    record: Record,
     estimation: Estimation,
     runs: Vec<Run>,
 }
@@ -66,6 +68,7 @@ impl Test {
             plan,
             design,
             operator: raw.operator.check(&text)?,
+            record: raw.record.check(&text)?,
             estimation: raw.identify.check(&text)?,
             runs,
         })
@@ -149,6 +152,11 @@ impl Test {
     /// What the time of the test assumes of its operator.
     pub fn operator(&self) -> &Operator {
         &self.operator
+    }
+
+    /// Who measured what, when and with what.
+    pub fn record(&self) -> &Record {
+        &self.record
     }
 
     /// What a test is to be designed for.

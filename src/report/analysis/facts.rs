@@ -9,6 +9,7 @@ use super::machine_errors::MachineErrors;
 use super::means::MeanResult;
 use super::place::PlaceResult;
 use crate::error::{Error, Kind, Result};
+use crate::plan::Record;
 use crate::report::diagnosis::facts::DiagnosisFacts;
 use crate::solve::Loss;
 
@@ -100,6 +101,9 @@ pub struct TestFacts {
     pub file: String,
     /// SHA-256 of the text of the test file, in hexadecimal.
     pub sha256: String,
+    /// Who measured what, when and with what; `None` where the test file says nothing of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub record: Option<Record>,
     /// Where the balls were.
     pub mountings: Vec<MountingFacts>,
 }

@@ -12,7 +12,7 @@ use crate::align::{Mark, MarkKind, TimeMap};
 use crate::identify::{self, Campaign, Estimate, Identification, IdentifiedRun, Record};
 use crate::machine::{Axis, Machine, Pivot};
 use crate::model::{HeldEffect, Parameter};
-use crate::plan::{BallBar, Run, Test};
+use crate::plan::{self, BallBar, Run, Test};
 use crate::report::text::numbers::{finite, without_dust};
 use crate::solve::Matrix;
 
@@ -76,6 +76,7 @@ fn test_facts(test: &Test) -> TestFacts {
         name: test.name().to_owned(),
         file: test.file().display().to_string(),
         sha256: test.hash().to_owned(),
+        record: Some(test.record().clone()).filter(|record| *record != plan::Record::default()),
         mountings: mountings.collect(),
     }
 }

@@ -7,6 +7,7 @@ use super::cautions::DETERMINED;
 use super::facts::{Analysis, RepeatResult, RunResult};
 use super::figures::{self, Figure, RunPicture};
 use super::means::MeanResult;
+use super::record;
 use super::shown::Shown;
 use super::{place, terminal, traces, verdict};
 use crate::error::{Error, Kind, Result};
@@ -117,7 +118,8 @@ fn facts(analysis: &Analysis) -> Vec<(&'static str, String)> {
     let mut rates: Vec<String> =
         analysis.runs().map(|run| fixed(run.averaged as f64 / run.sample_period_s, 0)).collect();
     rates.dedup();
-    let mut facts = vec![
+    let mut facts = analysis.test.record.as_ref().map_or_else(Vec::new, record::lines);
+    facts.extend([
         ("Machine", format!("{}, topology {}", analysis.machine.name, analysis.machine.topology)),
         ("Pivots", format!("X {}, Y {}, Z {}", pivots.x, pivots.y, pivots.z)),
         (
@@ -132,7 +134,7 @@ fn facts(analysis: &Analysis) -> Vec<(&'static str, String)> {
                 rates.join(" and ")
             ),
         ),
-    ];
+    ]);
     if let Some(strategy) = &analysis.strategy {
         facts.push(("Strategy", strategy.clone()));
     }

@@ -15,6 +15,7 @@ pub(super) mod machine_errors;
 pub(super) mod means;
 mod mountings;
 pub(super) mod place;
+mod record;
 pub(super) mod samples;
 pub(super) mod shown;
 pub(super) mod terminal;

@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::identify::{self, Answer, Asked, Campaign, IMPLAUSIBLE, Identification, Suspect};
 use crate::machine::{Axis, Machine};
 use crate::model::{Local, LocalShape, ParameterId};
-use crate::plan::Test;
+use crate::plan::{Record, Test, Warmth};
 use crate::report::text::numbers::{finite, fixed};
 use crate::report::text::words::{capital, list};
 
@@ -84,7 +84,32 @@ pub(super) fn of(test: &Test, machine: &Machine, campaign: &Campaign) -> Vec<Pla
         })
         .collect();
     let asked = each.first().map_or(0, Vec::len);
-    (0..asked).map(|k| over_repeats(&each, k)).collect()
+    let with_temperature = |result: PlaceResult| {
+        let reduced = at_20_c(test.record(), &result);
+        std::iter::once(result).chain(reduced)
+    };
+    (0..asked).map(|k| over_repeats(&each, k)).flat_map(with_temperature).collect()
+}
+
+/// A scale as it is at 20 degrees, where the record says how warm machine and bar were.
+///
+/// A bar that is longer than it is called reads too little by that, all around: to the fit this is a smaller scale of every
+/// axis alike. The machine's scales have grown with their temperature.
+fn at_20_c(record: &Record, of: &PlaceResult) -> Option<PlaceResult> {
+    let axis = of.quantity.strip_prefix("scale ").filter(|_| !of.is_unseen())?;
+    if record.machine.is_none() && record.bar.is_none() {
+        return None;
+    }
+    let longer = |of: Option<Warmth>| of.map_or([0.0, 0.0], |of| of.longer_um_m());
+    let ([bar, bar_sigma], [machine, machine_sigma]) = (longer(record.bar), longer(record.machine));
+    let sigma = bar_sigma.hypot(machine_sigma);
+    Some(PlaceResult {
+        quantity: format!("scale {axis} at 20 C"),
+        value: of.value + bar - machine,
+        all: of.all.or(of.noise).map(|all| all.hypot(sigma)),
+        looks_like: Vec::new(),
+        ..of.clone()
+    })
 }
 
 fn over_repeats(each: &[Vec<Answer>], k: usize) -> PlaceResult {

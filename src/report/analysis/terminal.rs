@@ -6,7 +6,7 @@ use super::cautions::DETERMINED;
 use super::facts::{Analysis, RunResult};
 use super::machine_errors::MachineErrors;
 use super::means::MeanResult;
-use super::{place, verdict};
+use super::{place, record, verdict};
 use crate::report::diagnosis;
 use crate::report::text::layout::{paragraph, table};
 use crate::report::text::numbers::{fixed, signed};
@@ -19,6 +19,12 @@ pub fn summary(analysis: &Analysis) -> String {
     let mut text = String::new();
     let _ = writeln!(text, "{}", analysis.test.name);
     let _ = writeln!(text, "{}\n", under_title(analysis));
+    if let Some(of_day) = &analysis.test.record {
+        let lines = record::lines(of_day).into_iter();
+        let told: Vec<String> = lines.map(|(name, value)| format!("{name}: {value}")).collect();
+        paragraph(&mut text, "", &told.join("; "));
+        text.push('\n');
+    }
     for line in verdict::of(analysis) {
         paragraph(&mut text, "", &line);
     }
