@@ -65,6 +65,17 @@ impl Draft {
         Ok(Self { trajectory, engagements, stretches, beside, marks, time_map })
     }
 
+    /// A log by angle, whose times are those of the program.
+    pub(super) fn of_angles(
+        trajectory: Trajectory,
+        engagements: Vec<Engagement>,
+        stretches: Vec<Range<usize>>,
+        marks: Vec<Mark>,
+        time_map: TimeMap,
+    ) -> Self {
+        Self { trajectory, engagements, stretches, beside: Vec::new(), marks, time_map }
+    }
+
     /// Finds the operator's pauses inside the engagements by the readings that stand still.
     pub(super) fn find_pauses(&mut self, log: &Log) {
         for (stretch, engagement) in self.stretches.iter().zip(&self.engagements) {

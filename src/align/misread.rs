@@ -88,6 +88,7 @@ fn readings(log: &Log, expected: &[Engagement], format: &Format) -> Vec<Reading>
             let others = TimeUnit::ALL.into_iter().filter(|other| other != unit);
             times.extend(others.map(|other| (other.to_s(1.0) / unit.to_s(1.0), Some(other))));
         }
+        TimeColumn::Angle { .. } => {}
         TimeColumn::Rate { .. } => {
             let time = engaged_s(expected) / in_range_s(log).max(f64::MIN_POSITIVE);
             times.extend((!(1.0 / KNOB..=KNOB).contains(&time)).then_some((time, None)));
@@ -204,7 +205,7 @@ fn told(run: &Run, found: &Reading, format: &Format, program_s: f64) -> Misread 
                     format!("it has {rate_hz} readings a second, and not {hz}"),
                 )
             }
-            (TimeColumn::Named { .. }, unit) => {
+            (TimeColumn::Named { .. } | TimeColumn::Angle { .. }, unit) => {
                 let unit = unit.unwrap_or(TimeUnit::Second).name();
                 (format!("time_unit = \"{unit}\""), format!("its times are in {unit}"))
             }

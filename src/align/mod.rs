@@ -14,6 +14,7 @@
 //! machine that stood where the program does not say so, is refused by [`TimeStep`].
 
 mod breaks;
+mod by_angle;
 mod clipped;
 mod data_arc;
 mod draft;
@@ -35,6 +36,7 @@ mod time_map;
 mod window;
 
 pub use breaks::Break;
+pub use by_angle::by_angle;
 pub use engagement::{Engagement, Refusal};
 pub use lay::align;
 pub use misread::{Misread, misread};

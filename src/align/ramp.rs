@@ -17,6 +17,8 @@ pub enum MarkKind {
     Release,
     /// The reading stood still until then: the end of an operator's pause.
     Standstill,
+    /// The log states angles in place of times: the middle of an arc.
+    Angle,
 }
 
 /// A moment known on both clocks.

@@ -218,6 +218,16 @@ impl TimeMap {
         Ok(())
     }
 
+    /// Log times that are program times: each leg is known as well as the angle of its arc, and one says nothing of the
+    /// next.
+    pub(super) fn set_by_angle(&mut self, marks: &[Mark]) {
+        for mark in marks {
+            let leg = self.leg_of(mark.program_s);
+            self.offset_sigmas_s[leg] = mark.sigma_s;
+            self.excess_s[1] = self.excess_s[1].max(2.0 * mark.sigma_s);
+        }
+    }
+
     /// Rate and offsets from the marks alone, whatever clock and feed are, with standstills as the program says.
     pub(super) fn fit_marks_at_any_rate(&mut self, marks: &[Mark]) -> Result<()> {
         self.excess_s = [0.0, UNEQUAL_DELAY_S];

@@ -21,6 +21,7 @@ mod paper;
 mod plan;
 mod program;
 mod results;
+mod show;
 mod simulate;
 mod time;
 
@@ -80,6 +81,7 @@ enum Command {
     Blind(blind::Arguments),
     Demo(demo::Arguments),
     Machines(machines::Arguments),
+    Show(show::Arguments),
     Paper(paper::Arguments),
     Completions(manual::Completions),
     Man(manual::Man),
@@ -102,6 +104,7 @@ impl Command {
             | Self::Time(_)
             | Self::Blind(_)
             | Self::Machines(_)
+            | Self::Show(_)
             | Self::Paper(_)
             | Self::Completions(_)
             | Self::Man(_) => false,
@@ -143,6 +146,7 @@ impl Cli {
             Command::Blind(arguments) => arguments.run(common, talk),
             Command::Demo(arguments) => arguments.run(common, talk),
             Command::Machines(arguments) => arguments.run(common),
+            Command::Show(arguments) => arguments.run(common),
             Command::Paper(arguments) => arguments.run(common, talk),
             Command::Completions(arguments) => arguments.run(&mut Cli::command()),
             Command::Man(arguments) => arguments.run(&Cli::command(), common, talk),

@@ -62,6 +62,10 @@ impl MeasuredRun {
             rig: align::Rig { machine, mounting: &mounting.mounting, bar: &bar },
             feed_override: self.feed_override,
         };
+        if let Some(log) = self.log.by_angle() {
+            let alignment = align::by_angle(&run, log)?;
+            return Ok(RunInput::new(self.name.clone(), self.mounting, bar.length_mm, alignment));
+        }
         if let Some(misread) = align::misread(&run, &test.log_format_of(self.mounting)) {
             return Err(Error::new(Kind::Mismatch, misread.what)
                 .at(Place::file(self.log.file()))

@@ -38,7 +38,9 @@ pub(super) fn find_header<'a>(
     }
     let delimiters = told.map_or(Delimiter::ALL.to_vec(), |told| vec![told]);
     let wanted = match &format.time {
-        TimeColumn::Named { name, .. } => vec![name.as_str(), format.reading.name.as_str()],
+        TimeColumn::Named { name, .. } | TimeColumn::Angle { name } => {
+            vec![name.as_str(), format.reading.name.as_str()]
+        }
         TimeColumn::Rate { .. } => vec![format.reading.name.as_str()],
     };
     let mut fields = Vec::new();

@@ -18,6 +18,12 @@
 //! What is *not* done here: no sample is dropped, smoothed or interpolated, and the clock is not
 //! trusted to be the machine's. What looks wrong is an error with its line, never a guess.
 
+mod b5r;
+#[cfg(test)]
+#[allow(clippy::float_cmp)] // what is read is exact or wrong
+mod b5r_tests;
+mod ballbar_log;
+mod by_angle;
 mod clock;
 mod columns;
 mod encoding;
@@ -41,5 +47,7 @@ pub use crate::plan::log_format::{
     DecimalMark, Delimiter, Format, LengthUnit, OutOfRange, ReadingColumn, ReadingKind,
     TextEncoding, TimeColumn, TimeUnit,
 };
-pub use read::{read, read_bytes};
+pub use b5r::{BallbarFile, BarRun, Feature};
+pub use by_angle::{Angles, ByAngle, Turn};
+pub use read::{read, read_ballbar_file, read_bytes};
 pub use reading::{Log, Reading};

@@ -2,6 +2,9 @@
 
 use std::path::Path;
 
+use super::b5r::{self, BallbarFile};
+use super::ballbar_log;
+use super::by_angle::{self, ByAngle};
 use super::columns::{CHOOSE_COLUMNS, find_header, same_name};
 use super::encoding::as_text;
 use super::reading::Log;
@@ -33,9 +36,13 @@ fn read_plain(bytes: &[u8], file: &Path, format: &Format) -> Result<Log> {
     } else {
         as_text(bytes, file, format)?
     };
+    if b5r::is_xml(&text) {
+        return ballbar_log::as_log(&b5r::parse(&text, file)?, file, format);
+    }
     let mut lines = lines(&text).skip(format.skip_lines);
     let header = find_header(file, &mut lines, format)?;
-    let Rows { readings, no_readings } = Table::new(file, header, format, is_sheet)?.rows(lines)?;
+    let Rows { readings, angles_deg, no_readings } =
+        Table::new(file, header, format, is_sheet)?.rows(lines)?;
     let noted = |(word, count): (String, usize)| {
         format!("{count} reading(s) are `{word}` and count as out of range")
     };
@@ -62,7 +69,35 @@ fn read_plain(bytes: &[u8], file: &Path, format: &Format) -> Result<Log> {
             ),
         );
     }
-    Ok(Log::new(file, readings, notes))
+    let log = Log::new(file, readings, notes);
+    if !matches!(format.time, TimeColumn::Angle { .. }) {
+        return Ok(log);
+    }
+    match (by_angle::turns(&angles_deg), format.plane) {
+        (Some(turns), Some(plane)) => {
+            Ok(log.with_angles(ByAngle { plane, turns, feed_mm_s: None, nominal_mm: None }))
+        }
+        (None, _) => unusable(
+            "two readings that follow each other have the same angle".to_owned(),
+            "a log by angle has one line for each angle; one with times is better".to_owned(),
+        ),
+        (_, None) => unusable(
+            "a log by angle does not say its plane".to_owned(),
+            "write `plane = \"xy\"` (or `yz`, `zx`) under `[log]` in the test file".to_owned(),
+        ),
+    }
+}
+
+/// Reads what is in a file of Ballbar 20.
+pub fn read_ballbar_file(file: &Path) -> Result<BallbarFile> {
+    let bytes = input::read(file, "file")?;
+    let text = as_text(&bytes, file, &Format::default())?;
+    if !b5r::is_xml(&text) {
+        return Err(Error::input("the file is no XML, so it is no .b5r of Ballbar 20")
+            .at(Place::file(file))
+            .hint("logs of other kinds are read with a test file: `ballbar analyse test.toml`"));
+    }
+    b5r::parse(&text, file)
 }
 
 /// The part of a format that no file can repair.
@@ -72,7 +107,9 @@ fn check_format(format: &Format) -> Result<()> {
             return Err(Error::input(format!("a log cannot have a rate of {hz} Hz"))
                 .hint("`sample_rate_hz` is the number of samples in a second"));
         }
-        TimeColumn::Named { name, .. } if same_name(name, &format.reading.name) => {
+        TimeColumn::Named { name, .. } | TimeColumn::Angle { name }
+            if same_name(name, &format.reading.name) =>
+        {
             return Err(Error::input(format!(
                 "column `{}` cannot be both the time and the reading",
                 name.trim()

@@ -3,6 +3,8 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use super::by_angle::ByAngle;
+
 /// One sample of a log.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading {
@@ -21,6 +23,7 @@ pub struct Log {
     readings: Vec<Reading>,
     period_s: f64,
     notes: Vec<String>,
+    by_angle: Option<ByAngle>,
 }
 
 impl Log {
@@ -33,7 +36,16 @@ impl Log {
             readings.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
         let middle = steps.len() / 2;
         let period_s = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
-        Self { file: file.to_path_buf(), readings, period_s, notes }
+        Self { file: file.to_path_buf(), readings, period_s, notes, by_angle: None }
+    }
+
+    pub(super) fn with_angles(self, by_angle: ByAngle) -> Self {
+        Self { by_angle: Some(by_angle), ..self }
+    }
+
+    /// The same log with times, for readings that had none: they increase, and there are two or more.
+    pub(crate) fn timed(&self, readings: Vec<Reading>) -> Self {
+        Self::new(&self.file, readings, self.notes.clone())
     }
 
     /// The same log as it would be with its times and its readings in other units.
@@ -48,6 +60,7 @@ impl Log {
             readings: self.readings.iter().map(scaled).collect(),
             period_s: time * self.period_s,
             notes: self.notes.clone(),
+            by_angle: self.by_angle.clone(),
         }
     }
 
@@ -68,6 +81,11 @@ impl Log {
     /// What the reader found by itself and the user should know, sentences without a full stop.
     pub fn notes(&self) -> &[String] {
         &self.notes
+    }
+
+    /// Where its readings were taken, for a log by angle: its times then only count its readings.
+    pub fn by_angle(&self) -> Option<&ByAngle> {
+        self.by_angle.as_ref()
     }
 
     /// All samples, in and out of range.

@@ -27,6 +27,10 @@ const OTHER_WORDS: &str = "...";
 
 const PLAIN_READING: &str = "a reading is a plain number; where the bar is out of range, leave \
     the field empty";
+const PLAIN_ANGLE: &str =
+    "an angle is a plain number of degrees, from the first axis of the plane towards the second";
+/// Overshoot and several turns.
+const LARGEST_DEG: f64 = 100_000.0;
 const PLAIN_TIME: &str = "a time is a plain number; where the times are of no use but the rate is \
     constant, give `sample_rate_hz` instead of `time_column` in the test file";
 const LATER: &str = "times must increase from line to line: were two captures joined, or are the \
@@ -37,6 +41,7 @@ const LATER: &str = "times must increase from line to line: were two captures jo
 enum Times {
     Column { index: usize, unit: TimeUnit },
     Rate { hz: f64 },
+    Angle { index: usize },
 }
 
 /// A log whose header is understood.
@@ -73,6 +78,7 @@ impl<'a> Table<'a> {
                     Times::Column { index: find(name)?, unit: *unit }
                 }
                 TimeColumn::Rate { hz } => Times::Rate { hz: *hz },
+                TimeColumn::Angle { name } => Times::Angle { index: find(name)? },
             },
             reading: find(&format.reading.name)?,
             format,
@@ -86,6 +92,7 @@ impl<'a> Table<'a> {
         let mut numbers = Numbers::new(self.delimiter, self.format);
         let mut clock = Clock::default();
         let mut by_clock = None;
+        let mut angles_deg = Vec::new();
         let mut fields = Vec::new();
         let mut earlier = "";
         for line in lines {
@@ -104,6 +111,19 @@ impl<'a> Table<'a> {
             }
             let time_s = match self.times {
                 Times::Rate { hz } => readings.len() as f64 / hz,
+                Times::Angle { index } => {
+                    let field = &fields[index];
+                    let fail = |what| line.error(self.file, field, what);
+                    let angle = numbers.parse(&line.text[field.clone()], |value| value);
+                    let angle_deg = angle.map_err(|fault| fail(fault.what).hint(PLAIN_ANGLE))?;
+                    if angle_deg.abs() > LARGEST_DEG {
+                        return Err(
+                            fail(format!("an angle of {angle_deg} degrees")).hint(PLAIN_ANGLE)
+                        );
+                    }
+                    angles_deg.push(angle_deg);
+                    readings.len() as f64
+                }
                 Times::Column { index, unit } => {
                     let field = &fields[index];
                     let written = &line.text[field.clone()];
@@ -162,7 +182,7 @@ impl<'a> Table<'a> {
             }
             readings.push(Reading { time_s, deviation_mm, line: line.number });
         }
-        Ok(Rows { readings, no_readings })
+        Ok(Rows { readings, angles_deg, no_readings })
     }
 
     fn deviation_mm(
@@ -230,6 +250,7 @@ impl<'a> Table<'a> {
                 fields[index].is_empty() && fields[self.reading].is_empty()
             }
             Times::Rate { .. } => false,
+            Times::Angle { index } => fields[index].is_empty() && fields[self.reading].is_empty(),
         }
     }
 
@@ -267,6 +288,8 @@ impl<'a> Table<'a> {
 /// What a table holds.
 pub(super) struct Rows {
     pub(super) readings: Vec<Reading>,
+    /// The angle of each, where it has one in place of a time, deg.
+    pub(super) angles_deg: Vec<f64>,
     /// What stood where there was no reading, and how often.
     pub(super) no_readings: Vec<(String, usize)>,
 }

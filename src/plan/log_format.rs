@@ -142,6 +142,11 @@ pub enum TimeColumn {
         /// Samples per second.
         hz: f64,
     },
+    /// A column of angles, degrees, in place of times.
+    Angle {
+        /// Its name in the header.
+        name: String,
+    },
 }
 
 /// What the instrument wrote down.
@@ -233,6 +238,12 @@ pub struct Format {
     pub out_of_range: OutOfRange,
     /// The bar reads this much either way and nothing beyond, mm.
     pub range_mm: f64,
+    /// The plane of a log by angle: the axis from which angles count, and that towards which; `None` where the log says it.
+    pub plane: Option<[usize; 2]>,
+    /// How many degrees of each arc a log by angle that states none stands on; `None` where its name says it, or a full turn.
+    pub data_arc_deg: Option<f64>,
+    /// The unit of the readings where the test file states it: a file without columns has no other.
+    pub stated_unit: Option<LengthUnit>,
     /// Name of the sheet of a workbook; `None` takes the only one that has cells.
     pub sheet: Option<String>,
 }
@@ -253,6 +264,9 @@ impl Default for Format {
             decimal_mark: None,
             out_of_range: OutOfRange::default(),
             range_mm: 1.2,
+            plane: None,
+            data_arc_deg: None,
+            stated_unit: None,
             sheet: None,
         }
     }

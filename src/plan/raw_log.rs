@@ -29,6 +29,9 @@ pub(super) struct RawLog {
     decimal_mark: Option<Spanned<String>>,
     out_of_range: Option<Spanned<toml::Value>>,
     sheet: Option<String>,
+    angle_column: Option<Spanned<String>>,
+    plane: Option<Spanned<String>>,
+    data_arc_deg: Option<Spanned<f64>>,
 }
 
 #[derive(Deserialize, Clone, Copy, PartialEq, Eq)]
@@ -76,7 +79,18 @@ impl RawLog {
                 .ok_or_else(|| unknown_unit(unit, &LengthUnit::NAMES))?,
         };
         // A log with a time column keeps it; a rate alone means that there is none.
+        let stated_unit = self.reading_unit.is_some().then_some(unit);
+        let plane = self.plane.as_ref().map(|name| plane(name, text)).transpose()?;
+        let arc = |arc| text.within(arc, "data_arc_deg", ARCS_DEG[0], ARCS_DEG[1]);
+        let data_arc_deg = self.data_arc_deg.as_ref().map(arc).transpose()?;
+        if let Some(given) = self.angle_column.as_ref().filter(|_| self.time_column.is_some()) {
+            return Err(Error::input("a log has angles or times, not both")
+                .at(text.place(given.span()))
+                .hint("leave `angle_column` out: times tell more"));
+        }
+        let angle = self.angle_column.map(Spanned::into_inner);
         let time = match (self.time_column, rate_hz) {
+            _ if angle.is_some() => TimeColumn::Angle { name: angle.unwrap_or_default() },
             (Some(name), _) => TimeColumn::Named { name, unit: time_unit },
             (None, Some(hz)) => TimeColumn::Rate { hz },
             (None, None) => TimeColumn::Named { name: DEFAULT_TIME.to_owned(), unit: time_unit },
@@ -115,6 +129,9 @@ impl RawLog {
             decimal_mark,
             out_of_range: out_of_range.unwrap_or_default(),
             range_mm,
+            plane,
+            data_arc_deg,
+            stated_unit,
             sheet: self.sheet,
             delimiter: None,
         })
@@ -180,4 +197,19 @@ fn out_of_range(written: &Spanned<toml::Value>, text: &Text<'_>) -> Result<OutOf
         }
     }
     Ok(found)
+}
+
+/// A part of an arc that makes a circle, deg.
+const ARCS_DEG: [f64; 2] = [10.0, 360.0];
+
+/// The axes of a plane, in the order in which angles count from the one to the other.
+fn plane(name: &Spanned<String>, text: &Text<'_>) -> Result<[usize; 2]> {
+    match name.get_ref().to_lowercase().as_str() {
+        "xy" => Ok([0, 1]),
+        "yz" => Ok([1, 2]),
+        "zx" => Ok([2, 0]),
+        _ => Err(Error::input(format!("`{}` is no plane", name.get_ref()))
+            .at(text.place(name.span()))
+            .hint("write `xy`, `yz` or `zx`")),
+    }
 }

@@ -184,6 +184,7 @@ fn completions_and_man_pages_are_made() {
         "paper",
         "plan",
         "program",
+        "show",
         "simulate",
         "time",
     ];

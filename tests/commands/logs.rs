@@ -52,3 +52,104 @@ fn a_log_in_the_clothes_of_windows() {
     // The clock of the log begins elsewhere: other rounding, the same readings at the same places.
     assert!(farthest.fold(0.0, f64::max) < 2e-3);
 }
+
+/// A file of Ballbar 20 with what a log by time has read over the middle of each arc.
+fn ballbar_file(samples: &str, arc_deg: f64) -> String {
+    let names: Vec<&str> = samples.lines().next().unwrap().split(',').collect();
+    let at = |name: &str| names.iter().position(|of| *of == name).unwrap();
+    let (place, arc, angle, deviation) =
+        (at("place"), at("arc"), at("angle_deg"), at("deviation_um"));
+    let rows = samples.lines().skip(1).map(|line| line.split(',').collect::<Vec<_>>());
+    let rows: Vec<Vec<&str>> = rows.filter(|row| row[place] == "arc").collect();
+    let mut text = String::from(
+        "<TEST><TEST_SPEC NAME=\"XY 340 grad\"/><PROGRAMMED_FEEDRATE>1000</PROGRAMMED_FEEDRATE><PLANE TEST_PLANE=\"XY\"/><NOMINAL_LENGTH>150</NOMINAL_LENGTH><OPERATOR>Meier</OPERATOR>",
+    );
+    for driven in rows.chunk_by(|a, b| a[arc] == b[arc]) {
+        let mut points: Vec<[f64; 2]> =
+            driven.iter().map(|row| [angle, deviation].map(|k| row[k].parse().unwrap())).collect();
+        let counter_clockwise = points[1][0] > points[0][0];
+        points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let direction = if counter_clockwise { "CCW" } else { "CW" };
+        write!(text, "<BALLBAR_RUN><RUN_DIRECTION>{direction}</RUN_DIRECTION><READINGS>").unwrap();
+        for k in 0..1000 {
+            let along = arc_deg * ((f64::from(k) + 0.5) / 1000.0 - 0.5);
+            let angle = 180.0 + if counter_clockwise { along } else { -along };
+            let after = points.partition_point(|point| point[0] < angle);
+            let (before, after) = (points[after - 1], points[after]);
+            let share = (angle - before[0]) / (after[0] - before[0]);
+            write!(text, "{:.6} ", 1e-3 * (before[1] + share * (after[1] - before[1]))).unwrap();
+        }
+        text += "</READINGS></BALLBAR_RUN>";
+    }
+    text + "</TEST>"
+}
+
+/// What `identify` says of the machine: quantities with value and uncertainty.
+fn answers(work: &Work, test: &str) -> Vec<(String, f64, f64)> {
+    let json = work.ballbar(&["identify", test, "--json"]).done().stdout();
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let number = |of: &serde_json::Value| of.as_f64().unwrap_or(0.0);
+    let all = json["at_the_place"].as_array().unwrap().iter();
+    all.map(|of| {
+        (of["quantity"].as_str().unwrap().to_owned(), number(&of["value"]), number(&of["noise"]))
+    })
+    .collect()
+}
+
+#[test]
+fn a_file_of_ballbar_20_tells_what_the_log_by_time_tells() {
+    let work = Work::new();
+    let plan = "[plan]\nfeed_mm_min = 1000.0\n[[plan.arc]]\nkind = \"equator\"\n";
+    work.machine("name", "name")
+        .test(&format!("[log]\nsample_rate_hz = 250.0\ntime_column = \"time_s\"\n{plan}"));
+    work.ballbar(&["simulate", "test.toml"]).done();
+    work.ballbar(&["align", "results/test.toml"]).done();
+    let samples = std::fs::read_to_string(work.path("results/samples-run1.csv")).unwrap();
+    work.write("results/run1.b5r", ballbar_file(&samples, 340.0));
+    let test = std::fs::read_to_string(work.path("results/test.toml")).unwrap();
+    let record = "[record]\ndate = 2026-11-23\noperator = \"Meier\"\nmachine_temperature_c = 25.0\nmachine_expansion_um_m_k = 10.0\n";
+    work.write(
+        "results/by-angle.toml",
+        format!("{}\n{record}", test.replace("run1.csv", "run1.b5r")),
+    );
+    let (by_time, by_angle) =
+        (answers(&work, "results/test.toml"), answers(&work, "results/by-angle.toml"));
+    let found = |name: &str| by_angle.iter().find(|of| of.0 == name).unwrap();
+    for (name, tolerance) in [
+        ("scale X", 3.0),
+        ("squareness XY", 3.0),
+        ("reversal X", 0.3),
+        ("reversal Y", 0.3),
+        ("lateral play X in Y", 0.3),
+    ] {
+        let expected = by_time.iter().find(|of| of.0 == name).unwrap();
+        assert!(
+            (found(name).1 - expected.1).abs() < tolerance,
+            "{name}: {expected:?}, {:?}",
+            found(name)
+        );
+    }
+    // 5 K at 10 um/m/K.
+    assert!((found("scale X").1 - found("scale X at 20 C").1 - 50.0).abs() < 1e-9);
+    let shown = work.ballbar(&["show", "results/run1.b5r"]).done().stdout();
+    assert!(shown.contains("operator        Meier") && shown.contains("CCW"), "{shown}");
+    let by_angle = test.replace("run1.csv", "run1.b5r");
+    for (from, to, told) in [
+        (
+            "[[mounting]]",
+            "[log]\nplane = \"yz\"\n\n[[mounting]]",
+            "in the plane YZ, and the program drives 0",
+        ),
+        (
+            "length_mm = 150",
+            "length_mm = 148.0 # 150",
+            "a bar of 150 mm, and the test of one of 148 mm",
+        ),
+    ] {
+        assert!(by_angle.contains(from) && !by_angle.contains("[log]"), "{by_angle}");
+        work.write("results/by-angle.toml", by_angle.replacen(from, to, 1));
+        let outcome = work.ballbar(&["identify", "results/by-angle.toml"]);
+        assert_eq!(outcome.code(), 3, "{}", outcome.stderr());
+        assert!(outcome.stderr().contains(told), "{}", outcome.stderr());
+    }
+}

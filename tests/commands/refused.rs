@@ -235,7 +235,7 @@ fn not_a_number_repeated_and_backward_time() {
         join(&lines)
     };
     let work = Work::new();
-    work.run_of(changed(600, "59.9000,NaN"));
+    work.run_of(changed(600, "59.9000,1.O"));
     insta::assert_snapshot!(analysed(&work, 1));
     work.run_of(changed(600, &lines[599]));
     insta::assert_snapshot!(analysed(&work, 1));

@@ -16,6 +16,7 @@ pub const TARGET: Target = Target {
             "# a comment\ntime_s;deviation_um\n0,0;\n0,1;6,3\n0,2;-5,0\n",
             "time_s\tdeviation_um\tother\n0.0\t\tx\n0.1\t6.3\t\n0.2\t-5\t3\n",
             "deviation_um\n1\n\n2.5\n-3\n\n",
+            "angle_deg,deviation_um\n350,1\n355,2\n0,3\n355,4\n350,5\n",
             "t_ms,length_mm\n0,150.1\n10,150.2\n20,149.9\n",
             "\u{feff}time_s,deviation_um\r\n0.0,1\r\n0.1,2\r\n",
             "sep=;\r\nlog of a bar\r\ntime_s;deviation_um\r\n08:00:00,0;OVER\r\n08:00:00,1;2\r\n",
@@ -23,6 +24,11 @@ pub const TARGET: Target = Target {
             "time_s,deviation_um\n2026-11-23T23:59:59Z,---\n2026-11-24T00:00:00Z,\"6,3\"\n",
         ];
         let mut seeds: Vec<Vec<u8>> = texts.map(|text| text.as_bytes().to_vec()).into();
+        let readings = "0.01 -0.02 0,03 ".repeat(12);
+        let run = |way: &str| {
+            format!("<BALLBAR_RUN><RUN_DIRECTION>{way}</RUN_DIRECTION><READINGS>{readings}</READINGS><FEATURE NAME=\"AF_CALCULATED_FEEDRATE\" DT=\"UT_FEEDRATE\">998</FEATURE></BALLBAR_RUN>")
+        };
+        seeds.push(format!("<?xml version=\"1.0\"?><T><TEST_SPEC NAME=\"XY 220 grad\"/><PLANE TEST_PLANE=\"XY\"/><OPERATOR>a &amp; b</OPERATOR>{}{}</T>", run("CW"), run("CCW")).into_bytes());
         seeds.push(texts[0].encode_utf16().flat_map(u16::to_le_bytes).collect());
         for packed in seeds::all_of_project("tests/data", ".csv.gz").iter().take(6) {
             let mut plain = Vec::new();
@@ -90,10 +96,18 @@ fn read(input: &[u8]) -> bool {
             ..Format::default()
         },
     ];
+    let formats = formats.into_iter().chain([
+        // A table of angles; a .b5r is taken by any format.
+        Format {
+            time: TimeColumn::Angle { name: "angle_deg".into() },
+            plane: Some([2, 0]),
+            ..Format::default()
+        },
+    ]);
     let mut taken = false;
     // Where the first does not know the columns, another may.
-    for format in std::iter::once(&default).chain(&formats) {
-        let log = read_bytes(input, "run.csv".as_ref(), format);
+    for format in std::iter::once(default).chain(formats) {
+        let log = read_bytes(input, "run.csv".as_ref(), &format);
         if let Ok(log) = &log {
             let readings = log.readings();
             assert!(readings.len() > 1, "a log has two readings");

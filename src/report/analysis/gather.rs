@@ -274,6 +274,7 @@ fn mark_result(mark: &Mark, map: &TimeMap) -> MarkResult {
             MarkKind::Engagement => "engagement",
             MarkKind::Release => "release",
             MarkKind::Standstill => "standstill",
+            MarkKind::Angle => "angle",
         },
         log_s: mark.log_s,
         program_s: mark.program_s,

@@ -116,7 +116,7 @@ fn sections(drawing: &mut Drawing, run: &IdentifiedRun, at: &dyn Fn(f64) -> f64)
 fn marks(drawing: &mut Drawing, run: &IdentifiedRun, at: &dyn Fn(f64) -> f64) {
     for mark in &run.alignment.marks {
         let x = at(mark.log_s);
-        if mark.kind == MarkKind::Standstill {
+        if matches!(mark.kind, MarkKind::Standstill | MarkKind::Angle) {
             continue;
         }
         let points = [(x - 5.0, TOP - 9.0), (x + 5.0, TOP - 9.0), (x, TOP - 1.0)];

@@ -1,0 +1,169 @@
+//! From a file of Ballbar 20 to a log by angle.
+//!
+//! The file says neither the unit of its readings nor the arc that they stand on. Both are taken where the circularity that comes
+//! of them is the one that the file states; where it is not, nothing is guessed.
+
+use std::path::Path;
+
+use super::b5r::{BallbarFile, BarRun};
+use super::by_angle::{Angles, ByAngle, Turn, circularity};
+use super::reading::{Log, Reading};
+use crate::error::{Error, Place, Result};
+use crate::plan::log_format::{Format, LengthUnit, ReadingKind};
+
+/// A bar reads a little over 1 mm either way: what stays below twice that is mm.
+const LARGEST_MM: f64 = 2.0;
+/// What no bar reads, mm.
+const BEYOND_MM: f64 = 10.0;
+/// Circularities that differ by less than this share, and this many mm, are the same: Ballbar 20 rounds and filters.
+const SAME_SHARE: f64 = 0.02;
+const SAME_MM: f64 = 3e-4;
+
+/// Readings, turns and what is to be told of a file.
+pub(super) fn as_log(found: &BallbarFile, file: &Path, format: &Format) -> Result<Log> {
+    let refused = |what: String, hint: &str| {
+        Err(Error::input(what).at(Place::file(file)).hint(hint.to_owned()))
+    };
+    if matches!(format.reading.kind, ReadingKind::Length { .. }) {
+        return refused(
+            "a .b5r has deviations, and no lengths".into(),
+            "leave `reading` out under `[log]` in the test file",
+        );
+    }
+    let Some(plane) = format.plane.or_else(|| found.plane.as_deref().and_then(plane_of)) else {
+        return refused(
+            "the file does not say its plane".into(),
+            "write `plane = \"xy\"` (or `yz`, `zx`) under `[log]` in the test file",
+        );
+    };
+    let name = file.file_name().map(|name| name.to_string_lossy().into_owned());
+    let names = [found.test.as_deref(), name.as_deref()];
+    let named_deg = || names.into_iter().flatten().find_map(arc_of_name);
+    let arc_deg = format.data_arc_deg.or_else(named_deg).unwrap_or(360.0);
+    let unit = match format.stated_unit {
+        Some(unit) => unit,
+        None => unit_of(found, arc_deg)?,
+    };
+    let mut notes = vec![format!(
+        "the .b5r has readings alone: they are taken for {} ({}), even over the {arc_deg} degrees in the middle of each arc",
+        unit.name(),
+        if format.stated_unit.is_some() {
+            "as the test file says"
+        } else {
+            "by their size and circularity"
+        }
+    )];
+    let sign = if format.reading.inverted { -1.0 } else { 1.0 };
+    let (mut readings, mut turns) = (Vec::new(), Vec::new());
+    for (index, run) in found.runs.iter().enumerate() {
+        let from = readings.len();
+        for reading in &run.readings {
+            let deviation_mm = reading.map(|value| sign * unit.to_mm(value));
+            if let Some(mm) = deviation_mm.filter(|mm| mm.abs() > BEYOND_MM) {
+                return refused(
+                    format!("a reading of {mm} mm, which no ball-bar reaches"),
+                    "is `reading_unit` under `[log]` in the test file right?",
+                );
+            }
+            // Its time comes from the program.
+            readings.push(Reading { time_s: readings.len() as f64, deviation_mm, line: run.line });
+        }
+        turns.push(Turn {
+            counter_clockwise: run.counter_clockwise.unwrap_or(true),
+            readings: from..readings.len(),
+            angles: Angles::Even(arc_deg.to_radians()),
+        });
+        let Some((own_mm, stated_mm)) = circularities_mm(run, unit, arc_deg)? else { continue };
+        if is_same(own_mm, stated_mm) {
+            continue;
+        }
+        let told = format!(
+            "run {} is {:.1} um round as Ballbar 20 says, and its readings are {:.1} um round, in {} over {arc_deg} degrees",
+            index + 1,
+            1e3 * stated_mm,
+            1e3 * own_mm,
+            unit.name()
+        );
+        if format.stated_unit.is_none() || format.data_arc_deg.is_none() {
+            return refused(
+                told,
+                "write `reading_unit` and `data_arc_deg`, the degrees of the arc without its overshoot, under `[log]` in the test file; with both the readings are taken as they are",
+            );
+        }
+        notes.push(told);
+    }
+    let missing = readings.iter().filter(|reading| reading.deviation_mm.is_none()).count();
+    if missing == readings.len() {
+        return refused("the file has no reading in range".into(), "was the bar engaged?");
+    }
+    if missing > 0 {
+        notes.push(format!("{missing} reading(s) are no numbers and count as out of range"));
+    }
+    let feeds =
+        found.runs.iter().filter_map(|run| run.feature("AF_CALCULATED_FEEDRATE", "UT_FEEDRATE"));
+    for (index, feed) in feeds.enumerate() {
+        let programmed = found.feed_mm_min.filter(|of| (feed / of - 1.0).abs() > 0.05);
+        if let Some(programmed) = programmed {
+            notes.push(format!("run {} went at {feed:.0} mm/min as Ballbar 20 computes it, and was programmed with {programmed:.0}", index + 1));
+        }
+    }
+    let by_angle = ByAngle {
+        plane,
+        turns,
+        feed_mm_s: found.feed_mm_min.map(|feed| feed / 60.0),
+        nominal_mm: found.nominal_length_mm,
+    };
+    Ok(Log::new(file, readings, notes).with_angles(by_angle))
+}
+
+/// The unit of the readings: that in which they are as round as the file says, else the one that makes them readings of a bar.
+fn unit_of(found: &BallbarFile, arc_deg: f64) -> Result<LengthUnit> {
+    for unit in [LengthUnit::Millimetre, LengthUnit::Micrometre] {
+        for run in &found.runs {
+            if circularities_mm(run, unit, arc_deg)?
+                .is_some_and(|(own, stated)| is_same(own, stated))
+            {
+                return Ok(unit);
+            }
+        }
+    }
+    let all = found.runs.iter().flat_map(|run| run.readings.iter().flatten());
+    let largest = all.fold(0.0_f64, |most, reading| most.max(reading.abs()));
+    Ok(if largest <= LARGEST_MM { LengthUnit::Millimetre } else { LengthUnit::Micrometre })
+}
+
+/// Of a run's readings and as the file has it, mm; `None` where it says none.
+pub(super) fn circularities_mm(
+    run: &BarRun,
+    unit: LengthUnit,
+    arc_deg: f64,
+) -> Result<Option<(f64, f64)>> {
+    let Some(stated_mm) = run.feature("AF_CIRCULARITY", "UT_LENGTH_MM") else { return Ok(None) };
+    Ok(Some((unit.to_mm(circularity(&run.readings, arc_deg.to_radians())?), stated_mm)))
+}
+
+fn is_same(own_mm: f64, stated_mm: f64) -> bool {
+    (own_mm - stated_mm).abs() <= SAME_SHARE * stated_mm.abs() + SAME_MM
+}
+
+/// The axes of a plane, in the order in which G17, G18 and G19 count their angles.
+pub(super) fn plane_of(name: &str) -> Option<[usize; 2]> {
+    match name.trim().to_uppercase().as_str() {
+        "XY" | "YX" => Some([0, 1]),
+        "YZ" | "ZY" => Some([1, 2]),
+        "ZX" | "XZ" => Some([2, 0]),
+        _ => None,
+    }
+}
+
+/// The arc in a name such as `XY 360 grad 150mm`: a number before a word for degrees.
+fn arc_of_name(name: &str) -> Option<f64> {
+    let name = name.to_lowercase();
+    let units = ["grad", "deg", "\u{b0}", "\u{5ea6}"];
+    let at = units.into_iter().filter_map(|unit| name.find(unit)).min()?;
+    let before = name[..at].trim_end_matches([' ', '-', '_']);
+    let from = before
+        .rfind(|c: char| !c.is_ascii_digit())
+        .map_or(0, |at| at + before[at..].chars().next().map_or(1, char::len_utf8));
+    before[from..].parse().ok().filter(|degrees| (10.0..=360.0).contains(degrees))
+}
