@@ -125,6 +125,8 @@ pub fn by_angle(run: &Run, log: &ByAngle) -> Result<Alignment> {
 struct Driven {
     /// Times in the program, s, and the angle there, rad, without jumps.
     places: Vec<(f64, f64)>,
+    /// How far along it the middle of its data arc is, rad: what is driven besides is overshoot.
+    middle_rad: f64,
     feed_mm_s: f64,
 }
 
@@ -142,7 +144,11 @@ impl Driven {
             last_rad = Some(angle_rad);
             (time_s, angle_rad)
         });
-        Self { places: places.collect(), feed_mm_s: section.feed_mm_s }
+        let places: Vec<(f64, f64)> = places.collect();
+        let middle_s = 0.5 * section.data_s.iter().sum::<f64>();
+        let middle = places.partition_point(|place| place.0 < middle_s).min(PLACES);
+        let middle_rad = (places[middle].1 - places[0].1).abs();
+        Self { places, middle_rad, feed_mm_s: section.feed_mm_s }
     }
 
     fn ends_rad(&self) -> [f64; 2] {
@@ -167,7 +173,7 @@ impl Driven {
         let along: Vec<f64> = match &turn.angles {
             Angles::Even(span_rad) => {
                 let count = turn.readings.len() as f64;
-                let before = 0.5 * (self.sweep_rad() - span_rad);
+                let before = self.middle_rad - 0.5 * span_rad;
                 (0..turn.readings.len())
                     .map(|k| before + span_rad * (k as f64 + 0.5) / count)
                     .collect()
@@ -182,8 +188,7 @@ impl Driven {
                 }
                 // Of several turns, the one in the middle.
                 let (first, last) = (along.first()?, along.last()?);
-                let spare = self.sweep_rad() - (last - first);
-                let turns = ((0.5 * spare - first) / TAU).round();
+                let turns = ((self.middle_rad - 0.5 * (first + last)) / TAU).round();
                 along.iter().map(|angle| angle + TAU * turns).collect()
             }
         };
@@ -236,6 +241,7 @@ fn is_in_plane(section: &Section, [a, b]: [usize; 2]) -> bool {
             let (sin, cos) = azimuth_deg.to_radians().sin_cos();
             Vector3::new(sin, -cos, 0.0)
         }
+        Circle::Plane(plane) => Vector3::ith(plane.normal(), 1.0),
         Circle::Other { normal, .. } => normal,
     };
     normal.dot(&across).abs() > SAME_PLANE
