@@ -150,7 +150,7 @@ fn findings_are_there_for_other_programs() {
     let told: serde_json::Value = serde_json::from_str(&outcome.stdout()).unwrap();
     let finding = &told["findings"][0];
     assert_eq!((&finding["severity"], &finding["rule"]), (&"warning".into(), &"exact-stop".into()));
-    assert_eq!(finding["line"], 32);
+    assert_eq!(finding["line"], 34);
     assert!(finding["block"].as_str().unwrap().starts_with("G01 X149.99"));
     assert_eq!(
         told["warnings"].as_u64().unwrap(),
