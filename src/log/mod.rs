@@ -39,6 +39,7 @@ mod text;
 #[allow(clippy::float_cmp)] // what is read is exact or wrong
 mod variants;
 mod workbook;
+mod workbook_parts;
 #[cfg(test)]
 #[allow(clippy::float_cmp)] // what is read is exact or wrong
 mod workbook_tests;

@@ -1,27 +1,21 @@
 //! Excel workbooks: a sheet becomes lines of text, one a row, so that everything else goes as with any log.
 //!
-//! A workbook is an archive of packed XML, small on the disk and as large in memory as its author likes. Each part is
-//! therefore unpacked once for its size alone, the cells are read one by one, and of a formula the value that Excel stored
-//! with it is taken.
+//! The cells are read one by one, and of a formula the value that Excel stored with it is taken.
 
 use std::fmt::Write as _;
-use std::io::{Cursor, Read};
+use std::io::Cursor;
 use std::path::Path;
 
 use calamine::{DataRef, ExcelDateTime, Reader as _, SheetType, Xlsx, XlsxError};
-use zip::ZipArchive;
 
 use super::text::quote;
+use super::workbook_parts;
 use crate::error::{Error, Place, Result};
 
-/// A million rows of four numbers, unpacked.
-const LARGEST_SHEET_BYTES: u64 = 1 << 29;
-/// All different texts of a workbook; a table of numbers has a few.
-const LARGEST_STRINGS_BYTES: u64 = 1 << 26;
-/// What else is read of a workbook: formats, names of sheets.
-const LARGEST_PART_BYTES: u64 = 1 << 22;
-/// The lines that a sheet becomes.
-const LARGEST_TEXT_BYTES: usize = 1 << 28;
+/// The lines that a sheet becomes: a hundred letters a row.
+const LARGEST_TEXT_BYTES: usize = 1 << 27;
+/// Excel holds no more letters in a cell.
+const MOST_LETTERS: usize = 32_767;
 /// Excel has no more.
 const MOST_ROWS: u32 = 1 << 20;
 const MOST_COLUMNS: u32 = 1 << 14;
@@ -55,7 +49,7 @@ pub(super) fn as_text(bytes: &[u8], file: &Path, sheet: Option<&str>) -> Result<
             EXPORT.into(),
         ));
     }
-    check_size(bytes).map_err(|what| refused(what, EXPORT.to_owned()))?;
+    workbook_parts::check(bytes).map_err(|what| refused(what, EXPORT.to_owned()))?;
     let mut workbook: Workbook = Xlsx::new(Cursor::new(bytes)).map_err(unreadable)?;
     let all = workbook.sheets_metadata().iter();
     let sheets: Vec<String> =
@@ -100,40 +94,6 @@ pub(super) fn as_text(bytes: &[u8], file: &Path, sheet: Option<&str>) -> Result<
             refused(format!("sheet {}: {what}", quote(&name)), hint.to_owned())
         }
     })
-}
-
-/// Unpacks the parts that are read, without keeping them: what an archive says of their size need not be true.
-fn check_size(bytes: &[u8]) -> std::result::Result<(), String> {
-    let corrupt = |error: &dyn std::fmt::Display| format!("the workbook is damaged: {error}");
-    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|error| corrupt(&error))?;
-    let mut sheets_left = LARGEST_SHEET_BYTES;
-    for index in 0..archive.len() {
-        let mut part = archive.by_index(index).map_err(|error| corrupt(&error))?;
-        let name = part.name().map_err(|error| corrupt(&error))?.to_lowercase();
-        let is_read = [".xml", ".rels"].iter().any(|end| name.ends_with(end));
-        if !is_read {
-            continue;
-        }
-        let is_sheet = name.contains("worksheets/");
-        let most = match () {
-            () if is_sheet => sheets_left,
-            () if name.contains("sharedstrings") => LARGEST_STRINGS_BYTES,
-            () => LARGEST_PART_BYTES,
-        };
-        let unpacked = std::io::copy(&mut part.by_ref().take(most + 1), &mut std::io::sink())
-            .map_err(|error| corrupt(&error))?;
-        if unpacked > most {
-            let most = most.min(LARGEST_SHEET_BYTES) >> 20;
-            return Err(format!(
-                "{} of the workbook unpacks to more than {most} MiB",
-                quote(&name)
-            ));
-        }
-        if is_sheet {
-            sheets_left -= unpacked;
-        }
-    }
-    Ok(())
 }
 
 fn is_filled(workbook: &mut Workbook, name: &str) -> std::result::Result<bool, XlsxError> {
@@ -191,6 +151,12 @@ fn rows(workbook: &mut Workbook, name: &str) -> std::result::Result<String, Faul
             text.push('\t');
         }
         (row, column) = cell.pos;
+        if words(&cell.value).len() > 4 * MOST_LETTERS {
+            return Err(Fault::Other(
+                format!("cell {} holds more than {MOST_LETTERS} letters", address(cell.pos)),
+                EXPORT,
+            ));
+        }
         push(&mut text, &cell.value);
         if text.len() > LARGEST_TEXT_BYTES {
             return Err(Fault::Other(
@@ -201,6 +167,15 @@ fn rows(workbook: &mut Workbook, name: &str) -> std::result::Result<String, Faul
     }
     text.push('\n');
     Ok(text)
+}
+
+/// What a cell says in words; nothing of numbers.
+fn words<'a>(value: &'a DataRef<'a>) -> &'a str {
+    match value {
+        DataRef::SharedString(words) => words,
+        DataRef::String(words) | DataRef::DateTimeIso(words) | DataRef::DurationIso(words) => words,
+        _ => "",
+    }
 }
 
 /// A cell as text: numbers with a decimal point, whatever the country.
@@ -216,14 +191,7 @@ fn push(text: &mut String, value: &DataRef) {
         | DataRef::SharedString(_)
         | DataRef::DateTimeIso(_)
         | DataRef::DurationIso(_) => {
-            let words = match value {
-                DataRef::SharedString(words) => words,
-                DataRef::String(words)
-                | DataRef::DateTimeIso(words)
-                | DataRef::DurationIso(words) => words.as_str(),
-                _ => "",
-            };
-            text.extend(words.chars().map(|c| if c.is_control() { ' ' } else { c }));
+            text.extend(words(value).chars().map(|c| if c.is_control() { ' ' } else { c }));
             Ok(())
         }
         DataRef::Empty => Ok(()),

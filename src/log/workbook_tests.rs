@@ -201,7 +201,15 @@ fn workbooks_that_nobody_should_write() {
     for row in 1..40_000 {
         write!(wide, "<row r=\"{row}\">{}</row>", number(&format!("XFD{row}"), "1")).unwrap();
     }
-    assert!(refused(&workbook(&[("Log", &wide)])).what.contains("256 MiB of text"));
+    assert!(refused(&workbook(&[("Log", &wide)])).what.contains("128 MiB of text"));
+    let long =
+        format!("<row r=\"1\"><c r=\"A1\" t=\"str\"><v>{}</v></c></row>", "x".repeat(200_000));
+    assert!(refused(&workbook(&[("Log", &long)])).what.contains("more than 32767 letters"));
+    // What the library would make room for before it looks.
+    let shared = "<row r=\"1\"><c r=\"A1\"><f t=\"shared\" si=\"4000000000\" ref=\"A1:A2\">1</f><v>1</v></c></row>";
+    assert!(refused(&workbook(&[("Log", shared)])).what.contains("announces more"));
+    let word = "<row r=\"1\"><c r=\"A1\" t=\"n\"><v>infinity</v></c></row>";
+    assert!(refused(&workbook(&[("Log", word)])).what.contains("a number of the workbook is"));
     let whole = workbook(&[("Log", &plain_table())]);
     assert!(refused(&whole[..whole.len() / 2]).what.contains("damaged"));
     assert!(
