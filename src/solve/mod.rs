@@ -20,6 +20,7 @@
 //! | [`Bordered`] | triangles of blocks that share some unknowns and have others of their own | the same, linear in the blocks |
 //! | [`Loss`], [`robust_scale`] | residuals | weights of the next step |
 //! | [`Basis`] | a further column | what the fit leaves of it |
+//! | [`minimax`] | few columns, values | the fit whose largest residual is the smallest |
 //! | [`NoiseModel`], [`BackwardFilter`] | residuals of contiguous segments | rows `L^T J`, for [`Solution::covariance_sandwich`] |
 //!
 //! A nonlinear model takes Gauss-Newton steps: push the Jacobian and the residuals at the present
@@ -81,6 +82,7 @@ mod cholesky;
 mod fold;
 mod least_squares;
 mod matrix;
+mod minimax;
 mod noise;
 mod null_space;
 mod robust;
@@ -99,6 +101,7 @@ pub use choice::Choice;
 pub use cholesky::{Cholesky, low_rank_factor};
 pub use least_squares::{Solution, correlation, solve, standard_deviations};
 pub use matrix::Matrix;
+pub use minimax::{Minimax, minimax};
 pub use noise::{Autocovariances, NoiseModel};
 pub use null_space::NullDirection;
 pub use robust::{HUBER, Loss, NORMAL_PER_MEDIAN, TUKEY, robust_scale};
