@@ -22,6 +22,7 @@
 //! | [`align`] | engagement, time map, samples with poses |
 //! | [`simulate`] | a virtual machine and instrument |
 //! | [`identify`] | the fit, what is observable, repeats |
+//! | [`circular`] | circular tests as ISO 230-4 has them: what a path over an arc is by itself |
 //! | [`residual`] | what a fit leaves: samples, noise, what an effect explains beside others |
 //! | [`diagnose`] | what the model gets wrong, the cause, the gain |
 //! | [`paper`] | the paper's tables computed again |
@@ -57,6 +58,7 @@
 //! named as terms; [`diagnose`] looks for them in what an identification leaves.
 
 pub mod align;
+pub mod circular;
 pub mod cli;
 pub mod design;
 pub mod diagnose;
