@@ -24,6 +24,7 @@ mod record;
 mod step;
 mod strategy;
 mod test_file;
+mod tolerance;
 mod ways;
 
 pub use arc::Arc;
@@ -40,4 +41,5 @@ pub use record::{Record, Warmth};
 pub use step::{Circular, Step};
 pub use strategy::Strategy;
 pub use test_file::Test;
+pub use tolerance::Tolerance;
 pub use ways::BAR_STOPS;

@@ -31,6 +31,8 @@ pub struct BallBar {
     pub sample_rate_hz: f64,
     /// How far its clock may run fast or slow, as a share of 1.
     pub clock_tolerance: f64,
+    /// Standard uncertainty of its length, mm; `None` where nothing is stated.
+    pub length_sigma_mm: Option<f64>,
 }
 
 /// A mounting and its name.

@@ -12,6 +12,7 @@ use super::raw_log::RawLog;
 use super::raw_mounting::{LENGTHS_MM, RawMounting, check_length, mounting_index};
 use super::raw_plan::RawPlan;
 use super::record::RawRecord;
+use super::tolerance::RawTolerance;
 use crate::error::{Error, Result};
 use crate::model;
 use crate::solve::Loss;
@@ -35,6 +36,8 @@ pub(super) struct RawTest {
     #[serde(default)]
     pub(super) identify: RawEstimation,
     #[serde(default)]
+    pub(super) tolerance: RawTolerance,
+    #[serde(default)]
     pub(super) run: Vec<RawRun>,
 }
 
@@ -48,6 +51,7 @@ pub(super) struct RawBallBar {
     correlated_um: Option<Spanned<f64>>,
     correlation_s: Option<Spanned<f64>>,
     clock_ppm: Option<Spanned<f64>>,
+    length_sigma_um: Option<Spanned<f64>>,
 }
 
 /// How far a bar reads either way, mm: no log with more is read.
@@ -60,6 +64,8 @@ const STEPS_UM: [f64; 2] = [1e-6, 1e3];
 pub(crate) const CORRELATIONS_S: [f64; 2] = [1e-4, 1e5];
 /// How far two clocks may be apart, parts per million: from a good oven to 1 %, where it is another feed.
 const CLOCKS_PPM: [f64; 2] = [1e-3, 1e4];
+/// How well the length of a bar is known, um: from better than any calibration to a bar that nobody measured.
+const LENGTH_SIGMAS_UM: [f64; 2] = [0.01, 1e3];
 
 impl RawBallBar {
     pub(super) fn check(self, log: &RawLog, text: &Text<'_>) -> Result<BallBar> {
@@ -83,6 +89,13 @@ impl RawBallBar {
             correlated_mm,
             correlation_s: or(self.correlation_s, "correlation_s", 0.3, CORRELATIONS_S)?,
             sample_rate_hz: log.sample_rate_hz(text)?.unwrap_or(10.0),
+            length_sigma_mm: match &self.length_sigma_um {
+                None => None,
+                Some(given) => {
+                    let [low, high] = LENGTH_SIGMAS_UM;
+                    Some(text.within(given, "length_sigma_um", low, high)? * 1e-3)
+                }
+            },
             clock_tolerance: or(self.clock_ppm, "clock_ppm", 100.0, CLOCKS_PPM)? * 1e-6,
         })
     }

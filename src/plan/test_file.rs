@@ -12,6 +12,7 @@ use super::parts::{BallBar, Estimation, NamedMounting, PathPlan, Run};
 use super::raw::RawTest;
 use super::raw_mounting::check_mountings;
 use super::record::Record;
+use super::tolerance::Tolerance;
 use crate::error::{Error, Place, Result};
 use crate::machine::{Machine, Mounting};
 use crate::toml_text::{self, Text};
@@ -31,6 +32,7 @@ pub struct Test {
     operator: Operator,
     record: Record,
     estimation: Estimation,
+    tolerance: Tolerance,
     runs: Vec<Run>,
 }
 
@@ -70,6 +72,7 @@ impl Test {
             operator: raw.operator.check(&text)?,
             record: raw.record.check(&text)?,
             estimation: raw.identify.check(&text)?,
+            tolerance: raw.tolerance.check(&text)?,
             runs,
         })
     }
@@ -174,6 +177,11 @@ impl Test {
     /// What the identification does.
     pub fn estimation(&self) -> &Estimation {
         &self.estimation
+    }
+
+    /// What the machine must keep.
+    pub fn tolerance(&self) -> &Tolerance {
+        &self.tolerance
     }
 
     /// The same test, identified otherwise than its file says.

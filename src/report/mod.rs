@@ -3,6 +3,7 @@
 //! | folder | document |
 //! | --- | --- |
 //! | `analysis` | `analysis.json`, `report.html`, `samples-RUN.csv`, the summary |
+//! | `circular` | circular tests of ISO 230-4 and tolerances: part of the analysis |
 //! | `diagnosis` | what the model gets wrong: part of the analysis, and by itself |
 //! | `plan` | `plan.json`, `plan.html`: what a test will be |
 //! | `design` | a test that was designed |
@@ -16,6 +17,7 @@
 //! files give the same bytes.
 
 mod analysis;
+mod circular;
 mod design;
 mod diagnosis;
 mod draw;
@@ -38,6 +40,10 @@ pub use analysis::place::PlaceResult;
 pub use analysis::samples::{write_aligned, write_samples};
 pub use analysis::shown::Shown;
 pub use analysis::terminal::{place_text, runs_table, summary};
+pub use circular::facts::{
+    CircularFacts, CircularResult, CircularValue, ConformityItem, ConformityResult, Verdict,
+    WayResult,
+};
 pub use design::facts::{proposal_json, unseen_of};
 pub use design::terminal::proposal_text;
 pub use diagnosis::facts::{DiagnosisFacts, FindingFacts};

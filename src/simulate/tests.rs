@@ -49,6 +49,7 @@ fn bench() -> Bench {
         correlation_s: 0.3,
         sample_rate_hz: 10.0,
         clock_tolerance: 1e-4,
+        length_sigma_mm: None,
     };
     Bench { machine, mounting, program, bar }
 }

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stdout)]
 
 mod check;
+mod circular;
 mod degrees;
 mod design;
 mod diagnose;

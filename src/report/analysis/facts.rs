@@ -10,6 +10,7 @@ use super::means::MeanResult;
 use super::place::PlaceResult;
 use crate::error::{Error, Kind, Result};
 use crate::plan::Record;
+use crate::report::circular::facts::CircularFacts;
 use crate::report::diagnosis::facts::DiagnosisFacts;
 use crate::solve::Loss;
 
@@ -40,6 +41,8 @@ pub struct Analysis {
     pub over_repeats: Vec<MeanResult>,
     /// What people ask of the machine, at the place of the test.
     pub at_the_place: Vec<PlaceResult>,
+    /// Circular tests of ISO 230-4, and what tolerances say.
+    pub circular: CircularFacts,
     /// Squareness, scale and reversal errors in people's units, as single coefficients of the paper say them.
     pub machine_errors: MachineErrors,
     /// What the model gets wrong; `None` where nobody looked.

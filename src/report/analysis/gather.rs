@@ -13,6 +13,7 @@ use crate::identify::{self, Campaign, Estimate, Identification, IdentifiedRun, R
 use crate::machine::{Axis, Machine, Pivot};
 use crate::model::{HeldEffect, Parameter};
 use crate::plan::{self, BallBar, Run, Test};
+use crate::report::circular::facts::CircularFacts;
 use crate::report::text::numbers::{finite, without_dust};
 use crate::solve::Matrix;
 
@@ -39,6 +40,9 @@ impl Analysis {
             })
             .collect();
         let over_repeats = means::of(identifications);
+        let at_the_place = place::of(test, machine, campaign);
+        let numbered: Vec<(u32, &Identification)> =
+            repeats.iter().map(|repeat| repeat.repeat).zip(identifications).collect();
         let mut analysis = Self {
             format: FORMAT,
             program_version: env!("CARGO_PKG_VERSION"),
@@ -49,7 +53,8 @@ impl Analysis {
             terms: test.estimation().terms.clone(),
             loss: test.estimation().loss,
             minimum_norm: test.estimation().minimum_norm,
-            at_the_place: place::of(test, machine, campaign),
+            circular: CircularFacts::new(test, &numbered, &at_the_place),
+            at_the_place,
             machine_errors: MachineErrors::new(machine, &over_repeats),
             repeats,
             over_repeats,

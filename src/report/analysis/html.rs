@@ -11,10 +11,10 @@ use super::record;
 use super::shown::Shown;
 use super::{place, terminal, traces, verdict};
 use crate::error::{Error, Kind, Result};
-use crate::report::diagnosis;
 use crate::report::text::numbers::{count, fixed, many, signed, typeset};
 use crate::report::text::units::{engineering, row_decimals};
 use crate::report::text::words::{fine, list};
+use crate::report::{circular, diagnosis};
 
 #[allow(clippy::struct_excessive_bools)] // what a page shows or not
 #[derive(Template)]
@@ -22,6 +22,7 @@ use crate::report::text::words::{fine, list};
 struct Page<'a> {
     analysis: &'a Analysis,
     verdict: Vec<String>,
+    circular: String,
     diagnosis: String,
     facts: Vec<(&'static str, String)>,
     coefficients: Vec<Vec<CoefficientRow>>,
@@ -80,6 +81,7 @@ pub fn render(analysis: &Analysis, shown: Shown) -> Result<String> {
     let diagnosis = analysis.diagnosis.as_ref().map(diagnosis::html::section).transpose()?;
     let page = Page {
         verdict: verdict.iter().chain(wrong).map(|line| fine(line)).collect(),
+        circular: circular::html::section(&analysis.circular)?,
         diagnosis: diagnosis.unwrap_or_default(),
         facts: facts(analysis),
         coefficients: coefficients(analysis),

@@ -7,11 +7,11 @@ use super::facts::{Analysis, RunResult};
 use super::machine_errors::MachineErrors;
 use super::means::MeanResult;
 use super::{place, record, verdict};
-use crate::report::diagnosis;
 use crate::report::text::layout::{paragraph, table};
 use crate::report::text::numbers::{fixed, signed};
 use crate::report::text::units::{engineering, row_decimals};
 use crate::report::text::words::list;
+use crate::report::{circular, diagnosis};
 
 /// The summary: verdict, runs, coefficients in engineering units, squareness and reversal, what nobody
 /// can see, and cautions.
@@ -28,6 +28,7 @@ pub fn summary(analysis: &Analysis) -> String {
     for line in verdict::of(analysis) {
         paragraph(&mut text, "", &line);
     }
+    text.push_str(&circular::terminal::text(&analysis.circular));
     text.push_str("\nRuns\n");
     text.push_str(&runs_table(analysis));
     text.push_str("\nHow the control drove\n");

@@ -41,6 +41,7 @@ fn bench(machine: &str) -> Bench {
         correlation_s: 0.3,
         sample_rate_hz: 10.0,
         clock_tolerance: 1e-4,
+        length_sigma_mm: None,
     };
     Bench { machine, mounting, program, bar }
 }
