@@ -77,10 +77,9 @@ pub fn render(analysis: &Analysis, shown: Shown) -> Result<String> {
         .chain(analysis.repeats.first().and_then(|r| figures::autocorrelation(r, shown, analysis)));
     // The gravest of what the model gets wrong is part of the verdict.
     let wrong = analysis.diagnosis.iter().map(|diagnosis| &diagnosis.verdict.structure);
-    let verdict = verdict::of(analysis);
     let diagnosis = analysis.diagnosis.as_ref().map(diagnosis::html::section).transpose()?;
     let page = Page {
-        verdict: verdict.iter().chain(wrong).map(|line| fine(line)).collect(),
+        verdict: verdict::of(analysis).iter().chain(wrong).map(|line| fine(line)).collect(),
         circular: circular::html::section(&analysis.circular)?,
         diagnosis: diagnosis.unwrap_or_default(),
         facts: facts(analysis),
