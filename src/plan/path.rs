@@ -34,6 +34,13 @@ pub struct Path {
 impl Path {
     /// Plans the path of one mounting of a test and checks it against the travel of the machine.
     pub fn plan(test: &Test, machine: &Machine, mounting: usize) -> Result<Self> {
+        let path = Self::anywhere(test, machine, mounting)?;
+        path.check_travel(test, machine)?;
+        Ok(path)
+    }
+
+    /// The same wherever the travel ends.
+    fn anywhere(test: &Test, machine: &Machine, mounting: usize) -> Result<Self> {
         let plan = test.plan()?;
         let length_mm = test.bar_of(mounting).length_mm;
         let ways = Ways::of(test, machine, plan, mounting);
@@ -76,8 +83,24 @@ impl Path {
         };
         path.pause(plan);
         path.steps.extend(ways.release(&end, feed_mm_s));
-        path.check_travel(test, machine)?;
         Ok(path)
+    }
+
+    /// Lowest and highest machine coordinate of each axis at which the balls may coincide so that the path near them
+    /// stays within the travel, mm.
+    ///
+    /// # Errors
+    /// When the path needs more of an axis than there is.
+    pub fn room_mm(test: &Test, machine: &Machine, mounting: usize) -> Result<[[f64; 2]; 3]> {
+        let path = Self::anywhere(test, machine, mounting)?;
+        let mut room_mm = [[0.0; 2]; 3];
+        for axis in Axis::ALL {
+            let (low, high) = extent_mm(path.points_below(), axis);
+            let [from, to] = machine.slide(axis).travel_mm;
+            check_need(test, machine, mounting, axis, high - low)?;
+            room_mm[axis.index()] = [from - low, to - high];
+        }
+        Ok(room_mm)
     }
 
     /// A dwell or an operator's stop between two arcs.
@@ -160,25 +183,10 @@ impl Path {
 
     fn check_travel(&self, test: &Test, machine: &Machine) -> Result<()> {
         let mounting = &test.mountings()[self.mounting];
+        // Then no other place helps, and the first point outside would mislead.
         for axis in Axis::ALL {
-            let along = || self.points().map(|point| point[axis.index()]);
-            let (low, high) =
-                (along().fold(f64::INFINITY, f64::min), along().fold(-f64::INFINITY, f64::max));
-            let [from, to] = machine.slide(axis).travel_mm;
-            // Then no other place helps, and the first point outside would mislead.
-            if high - low > to - from {
-                return Err(Error::input(format!(
-                    "mounting `{}`: the path needs {:.1} mm of axis {axis}, which has {} mm",
-                    mounting.name,
-                    high - low,
-                    to - from
-                ))
-                .at(Place::file(test.file()))
-                .hint(format!(
-                    "the bar of {} mm is too long for this machine: use a shorter one, or arcs that need less of {axis}",
-                    mounting.bar_length_mm
-                )));
-            }
+            let (low, high) = extent_mm(self.points(), axis);
+            check_need(test, machine, self.mounting, axis, high - low)?;
         }
         for point in self.points() {
             machine.axis_positions_mm(&mounting.mounting, point).map_err(|mut error| {
@@ -188,6 +196,38 @@ impl Path {
         }
         Ok(())
     }
+}
+
+/// Lowest and highest coordinate of points, mm.
+fn extent_mm<'a>(points: impl Iterator<Item = &'a Vector3<f64>>, axis: Axis) -> (f64, f64) {
+    points
+        .map(|point| point[axis.index()])
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)))
+}
+
+/// Whether an axis is as long as a path needs it.
+fn check_need(
+    test: &Test,
+    machine: &Machine,
+    mounting: usize,
+    axis: Axis,
+    need_mm: f64,
+) -> Result<()> {
+    let [from, to] = machine.slide(axis).travel_mm;
+    if need_mm <= to - from {
+        return Ok(());
+    }
+    let named = &test.mountings()[mounting];
+    Err(Error::input(format!(
+        "mounting `{}`: the path needs {need_mm:.1} mm of axis {axis}, which has {} mm",
+        named.name,
+        to - from
+    ))
+    .at(Place::file(test.file()))
+    .hint(format!(
+        "the bar of {} mm is too long for this machine: use a shorter one, or arcs that need less of {axis}",
+        named.bar_length_mm
+    )))
 }
 
 /// Shares of an arc at every whole step of [`LOOK_RAD`] inside of it: its extremes are among them.
