@@ -13,6 +13,7 @@
 
 mod axis;
 mod bounds;
+mod builtin;
 mod chain;
 mod clearance;
 mod controller;
@@ -22,6 +23,7 @@ mod plausible;
 mod topology;
 
 pub use axis::Axis;
+pub use builtin::Builtin;
 pub use chain::{ChainErrors, Lever, Mounting, Pose, SlideError};
 pub use clearance::{Clearance, Cylinder};
 pub use controller::{Controller, Dialect};
