@@ -27,6 +27,7 @@
 //! | [`diagnose`] | what the model gets wrong, the cause, the gain |
 //! | [`paper`] | the paper's tables computed again |
 //! | [`design`] | what a test will see before it is run, and which test sees most |
+//! | [`start`] | a machine file and a test file to begin with |
 //! | [`trial`] | effects hidden at random, diagnosed and judged |
 //! | [`report`] | terminal, HTML, JSON, CSV |
 //! | [`cli`] | the command line |
@@ -76,6 +77,7 @@ pub mod report;
 pub mod residual;
 pub mod simulate;
 pub mod solve;
+pub mod start;
 mod toml_text;
 pub mod trial;
 mod written;

@@ -1,0 +1,63 @@
+//! The two files that somebody begins with.
+
+use std::path::Path;
+
+use nalgebra::Vector3;
+
+use super::machine_file::machine_file;
+use super::place::place_mm;
+use super::test_file::test_file;
+use super::wish::Wish;
+use crate::error::Result;
+use crate::machine::Machine;
+use crate::plan::Test;
+
+/// A machine file and a test file, checked, the balls where the test fits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Begun {
+    /// Text of the machine file.
+    pub machine_text: String,
+    /// Text of the test file.
+    pub test_text: String,
+    /// What the one says.
+    pub machine: Machine,
+    /// What the other says.
+    pub test: Test,
+}
+
+/// Bars that a kit is put together to, mm, the commonest first; calibrated lengths but for the last.
+const BARS_MM: [f64; 3] = [150.0, 100.0, 50.0];
+
+impl Begun {
+    /// Name of the machine file.
+    pub const MACHINE: &'static str = "machine.toml";
+    /// Name of the test file, which names the other.
+    pub const TEST: &'static str = "test.toml";
+
+    /// Writes both for a folder, and checks them by reading them.
+    ///
+    /// # Errors
+    /// A number that is beyond its bounds; a test that does not fit into the travel with the bar that was asked for, or
+    /// with any of the usual ones.
+    pub fn new(wish: &Wish, folder: &Path) -> Result<Self> {
+        let machine_text = machine_file(wish);
+        let machine = Machine::parse(&machine_text, &folder.join(Self::MACHINE))?;
+        let with = |bar_mm: f64| {
+            let parse = |place_mm: &Vector3<f64>| {
+                let text = test_file(wish, bar_mm, place_mm);
+                Test::parse(&text, &folder.join(Self::TEST)).map(|test| (text, test))
+            };
+            let (_, anywhere) = parse(&Vector3::zeros())?;
+            parse(&place_mm(&anywhere, &machine)?)
+        };
+        let (test_text, test) = match wish.bar_mm {
+            Some(bar_mm) => with(bar_mm)?,
+            // What speaks against the shortest bar speaks against all of them.
+            None => {
+                let [first, second, last] = BARS_MM;
+                with(first).or_else(|_| with(second)).or_else(|_| with(last))?
+            }
+        };
+        Ok(Self { machine_text, test_text, machine, test })
+    }
+}
