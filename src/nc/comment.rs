@@ -11,7 +11,7 @@ const ACTIVE: [&str; 8] =
 /// A text as a comment: upper case, only characters that the machine file allows, and nothing that a control obeys.
 pub(super) fn of(controller: &Controller, text: &str) -> String {
     let allowed = &controller.comment_characters;
-    let shown = text.to_uppercase();
+    let shown: String = text.to_uppercase().chars().flat_map(in_ascii).collect();
     let shown = shown.chars().filter(|c| {
         c.is_ascii_alphanumeric() || (allowed.contains(*c) && !"()%;\n\r".contains(*c))
     });
@@ -23,6 +23,36 @@ pub(super) fn of(controller: &Controller, text: &str) -> String {
         return format!("NAMED {begins}");
     }
     shown
+}
+
+/// Letters that a control does not know, as people write them without: those of German and its neighbours with an E,
+/// others without their marks.
+const LETTERS: [(&str, &str); 18] = [
+    ("ÄÆ", "AE"),
+    ("ÖØŒ", "OE"),
+    ("Ü", "UE"),
+    ("ẞ", "SS"),
+    ("ÀÁÂÃÅĄ", "A"),
+    ("ÇĆČ", "C"),
+    ("ĎÐ", "D"),
+    ("ÈÉÊËĘĚ", "E"),
+    ("ÌÍÎÏİ", "I"),
+    ("Ł", "L"),
+    ("ÑŃŇ", "N"),
+    ("ÒÓÔÕŐ", "O"),
+    ("Ř", "R"),
+    ("ŚŠŞ", "S"),
+    ("ŤŢ", "T"),
+    ("ÙÚÛŮŰ", "U"),
+    ("Ý", "Y"),
+    ("ŹŻŽ", "Z"),
+];
+
+/// A letter in ASCII where it has a usual form there.
+fn in_ascii(letter: char) -> impl Iterator<Item = char> {
+    let known = LETTERS.iter().find(|(letters, _)| letters.contains(letter));
+    let ascii = known.map_or("", |(_, ascii)| ascii);
+    ascii.chars().chain(Some(letter).filter(|_| ascii.is_empty()))
 }
 
 /// A program with warnings behind its title.
@@ -57,6 +87,12 @@ mod tests {
             assert!(comment.starts_with("NAMED "), "{comment}");
         }
         assert_eq!(of(machine.controller(), "Equator cw"), "EQUATOR CW");
+    }
+
+    #[test]
+    fn letters_that_a_control_does_not_know_are_written_without_their_marks() {
+        let told = of(machine("fanuc").controller(), "Fräse Grün ß (Halle 3), Łódź, Čapek, 図");
+        assert_eq!(told, "FRAESE GRUEN SS HALLE 3, LODZ, CAPEK, ");
     }
 
     #[test]
