@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
+use std::sync::OnceLock;
 
 use crate::error::{Error, Place, Result};
 
@@ -35,6 +36,22 @@ pub(crate) fn read_small(file: &Path, what: &str) -> Result<Vec<u8>> {
 /// Largest TOML file.
 const LARGEST_SMALL_BYTES: usize = 4 << 20;
 
+/// What came from the standard input, which can be read once and may be asked for again.
+static PIPED: OnceLock<Vec<u8>> = OnceLock::new();
+
+/// The name of the standard input.
+const PIPE: &str = "-";
+
+/// All of the standard input.
+fn piped() -> std::io::Result<Vec<u8>> {
+    if let Some(bytes) = PIPED.get() {
+        return Ok(bytes.clone());
+    }
+    let mut bytes = Vec::new();
+    std::io::stdin().lock().take(LARGEST_BYTES + 1).read_to_end(&mut bytes)?;
+    Ok(PIPED.get_or_init(|| bytes).clone())
+}
+
 /// The bytes of a file that ends.
 fn whole(file: &Path, what: &str) -> Result<Vec<u8>> {
     let told = |error: std::io::Error| {
@@ -50,6 +67,9 @@ fn whole(file: &Path, what: &str) -> Result<Vec<u8>> {
             _ => refused,
         }
     };
+    if file == Path::new(PIPE) {
+        return bounded(piped().map_err(told)?, file, what);
+    }
     // A device never ends, and a pipe that nobody writes to never begins; what a shell pipes in does both.
     let kind = std::fs::metadata(file).map_err(told)?.file_type();
     let piped = file.starts_with("/dev/fd") || file.starts_with("/dev/stdin");
@@ -61,6 +81,11 @@ fn whole(file: &Path, what: &str) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let mut limited = std::fs::File::open(file).map_err(told)?.take(LARGEST_BYTES + 1);
     limited.read_to_end(&mut bytes).map_err(told)?;
+    bounded(bytes, file, what)
+}
+
+/// Bytes that are not too many.
+fn bounded(bytes: Vec<u8>, file: &Path, what: &str) -> Result<Vec<u8>> {
     if bytes.len() as u64 > LARGEST_BYTES {
         return Err(Error::input(format!("the {what} has more than 256 MiB"))
             .at(Place::file(file))

@@ -36,7 +36,8 @@ impl Text<'_> {
             };
             let what = in_words(&error.message().trim().replace('\n', "; "));
             let hint = unknown_key_hint(&what)
-                .unwrap_or_else(|| "docs/reference.md lists every key with its unit".to_owned());
+                .or_else(|| slip_hint(&place))
+                .unwrap_or_else(|| "`ballbar reference KEY` says what a key means".to_owned());
             Error::input(what).at(place).hint(hint)
         })
     }
@@ -126,6 +127,24 @@ fn unknown_key_hint(message: &str) -> Option<String> {
     let stem = |key: &str| key.split('_').next().unwrap_or("").to_lowercase();
     let meant = quoted.find(|known| stem(known) == stem(written))?;
     Some(format!("write `{meant}`; the unit is part of the key"))
+}
+
+/// What people write who do not write TOML every day: paths of Windows, and numbers as in German.
+fn slip_hint(place: &Place) -> Option<String> {
+    let (key, value) = place.text.split_once('=')?;
+    let value = value.trim();
+    if value.starts_with('"') && value.contains('\\') {
+        let path = value.trim_matches('"');
+        return Some(format!(
+            "write slashes, `\"{}\"`, or single quotes, `'{path}'`: in double quotes a backslash begins a character of its own",
+            path.replace("\\\\", "/").replace('\\', "/")
+        ));
+    }
+    let (whole, decimals) = value.split_once(',')?;
+    let digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let decimals = decimals.split([' ', '#']).next().unwrap_or("");
+    (digits(whole.trim_start_matches(['-', '+'])) && digits(decimals))
+        .then(|| format!("write a decimal point: `{} = {whole}.{decimals}`", key.trim()))
 }
 
 #[cfg(test)]

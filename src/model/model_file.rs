@@ -163,14 +163,14 @@ fn effect(table: &toml::Table) -> Result<Effect> {
     let text = |key: &str| table.get(key).and_then(toml::Value::as_str);
     let Some(cause) = text("cause") else {
         return Err(Error::input("an effect does not say its `cause`")
-            .hint("docs/reference.md lists the causes"));
+            .hint("`ballbar reference causes` lists them"));
     };
     let mut numbers = Vec::new();
     for (key, value) in table.iter().filter(|(key, _)| *key != "cause" && *key != "on") {
         let number = value.as_float().or_else(|| value.as_integer().map(|n| n as f64));
         let number = number.ok_or_else(|| {
             Error::input(format!("`{key}` must be a number"))
-                .hint("docs/reference.md lists the causes")
+                .hint("`ballbar reference causes` lists them")
         })?;
         numbers.push((key.as_str(), number));
     }

@@ -242,7 +242,7 @@ fn hide(scenario: &mut Scenario, table: &Spanned<RawEffect>, text: &Text<'_>) ->
     let Some((cause, cause_place)) = words.get("cause") else {
         return Err(Error::input("this `[[hide]]` has no `cause`")
             .at(text.place(table.span()))
-            .hint("write `cause = \"cyclic\"`; docs/reference.md lists the causes"));
+            .hint("write `cause = \"cyclic\"`; `ballbar reference causes` lists them"));
     };
     let on = words.get("on");
     let effect = Effect::of(cause, on.map(|(word, _)| *word), &numbers);
