@@ -37,7 +37,7 @@ impl Arguments {
         let written = files.write()?;
         if common.json {
             let runs: Vec<_> = analysis.runs().collect();
-            return output::print(&format!("{:#}\n", serde_json::json!(runs)));
+            return output::print_json("align", serde_json::json!({ "runs": runs }));
         }
         output::print(&report::runs_table(&analysis))?;
         written.told(talk);

@@ -113,7 +113,7 @@ impl Arguments {
             let list: Vec<_> = outcomes.iter().map(as_json).collect();
             let all =
                 json!({ "seed": self.seed, "noise_um": 1e3 * session.noise_mm(), "trials": list });
-            return output::print(&format!("{all:#}\n"));
+            return output::print_json("blind", all);
         }
         output::print_summary(&table(&outcomes, session.noise_mm()))
     }
@@ -137,7 +137,7 @@ impl Arguments {
         let outcomes = self.outcomes(&requests, &run, common, talk)?;
         if common.json {
             let list: Vec<_> = outcomes.iter().map(as_json).collect();
-            return output::print(&format!("{:#}\n", json!({ "seed": self.seed, "trials": list })));
+            return output::print_json("blind", json!({ "seed": self.seed, "trials": list }));
         }
         output::print_summary(&grid_table(&outcomes))
     }
@@ -182,7 +182,7 @@ impl Arguments {
 /// One trial with all that its diagnosis says.
 fn told(outcome: &Outcome, common: &Common) -> Result<()> {
     if common.json {
-        return output::print(&format!("{:#}\n", as_json(outcome)));
+        return output::print_json("trial", as_json(outcome));
     }
     if let Some(failure) = &outcome.failure {
         return Err(Error::input(failure.clone()));

@@ -122,7 +122,7 @@ impl Arguments {
                 "sphere_checked": sphere.is_some(),
                 "findings": checked.findings.iter().map(as_json).collect::<Vec<_>>(),
             });
-            output::print(&format!("{value:#}\n"))?;
+            output::print_json("check", value)?;
         } else {
             for finding in &checked.findings {
                 output::print(&format!("{finding}\n\n"))?;

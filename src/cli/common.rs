@@ -1,15 +1,15 @@
 //! What every subcommand can be told.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 /// Options that every subcommand takes.
 #[derive(Args)]
 pub(super) struct Common {
-    /// Directory for results; made if it is not there
-    #[arg(short, long, global = true, default_value = "out", value_name = "DIR")]
-    pub(super) output: PathBuf,
+    /// Directory for results; made if it is not there [default: out]
+    #[arg(short, long, global = true, value_name = "DIR")]
+    pub(super) output: Option<PathBuf>,
     /// Replace files in it that were not written by this program, or edited since
     #[arg(long, global = true)]
     pub(super) overwrite: bool,
@@ -19,4 +19,25 @@ pub(super) struct Common {
     /// Print nothing but results and errors
     #[arg(short, long, global = true)]
     pub(super) quiet: bool,
+    /// Whether a terminal gets colours
+    #[arg(long, global = true, value_name = "WHEN", default_value = "auto")]
+    pub(super) color: Color,
+}
+
+/// When to colour.
+#[derive(Clone, Copy, ValueEnum)]
+pub(super) enum Color {
+    /// Where a terminal shows them and `NO_COLOR` is not set
+    Auto,
+    /// Into files and pipes, too
+    Always,
+    /// Nowhere
+    Never,
+}
+
+impl Common {
+    /// Directory for results.
+    pub(super) fn directory(&self) -> &Path {
+        self.output.as_deref().unwrap_or(Path::new("out"))
+    }
 }

@@ -1,14 +1,15 @@
 //! `ballbar design`: the test that sees most in the time there is.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::common::Common;
 use super::output::Talk;
-use super::results::Files;
+use super::results::{Files, path_from};
 use crate::design::{Designer, Measured, Outlook};
 use crate::error::{Error, Kind, Place, Result};
+use crate::machine::Machine;
 use crate::plan::Test;
 use crate::report;
 
@@ -40,7 +41,8 @@ impl Arguments {
         if measured.is_some() {
             proposal.next = designer.next();
         }
-        let designed = Test::parse(&proposal.text, &common.output.join("test.toml"))?;
+        proposal.text = beside(&proposal.text, common.directory(), &machine)?;
+        let designed = Test::parse(&proposal.text, &common.directory().join("test.toml"))?;
         let outlook = Outlook::new(&designed, &machine)?;
         progress.finish_and_clear();
         // What was wanted and is not seen in the time there is.
@@ -73,4 +75,12 @@ impl Arguments {
         let json = format!("{:#}\n", report::proposal_json(&test, &proposal, &outlook));
         files.deliver(common.json, talk, &json, &report::proposal_text(&test, &proposal, &outlook))
     }
+}
+
+/// The text of a test file with its machine file named from a directory.
+fn beside(text: &str, directory: &Path, machine: &Machine) -> Result<String> {
+    let faulty = |error: String| Error::new(Kind::Output, error);
+    let mut table: toml::Table = toml::from_str(text).map_err(|error| faulty(error.to_string()))?;
+    table.insert("machine".into(), path_from(directory, machine.file())?.into());
+    toml::to_string(&table).map_err(|error| faulty(error.to_string()))
 }

@@ -8,12 +8,12 @@ use serde_json::json;
 
 use super::common::Common;
 use super::output::{self, Talk};
-use crate::error::{Error, Place, Result};
-use crate::machine::{Axis, Machine, Pivot, Slide};
+use crate::error::Result;
+use crate::machine::{Axis, Builtin, Machine, Pivot, Slide};
 
-/// List and check machine files
+/// List the built-in machines, or check machine files
 ///
-/// Without FILE, all of the directory `machines`.
+/// Without FILE, the machines that are built in; `ballbar init --machine NAME` begins with one of them.
 #[derive(Args)]
 #[command(after_help = "Examples:\n  ballbar machines\n  ballbar machines my-machine.toml --json")]
 pub(super) struct Arguments {
@@ -24,10 +24,12 @@ pub(super) struct Arguments {
 
 impl Arguments {
     pub(super) fn run(&self, common: &Common) -> Result<()> {
-        let files = if self.files.is_empty() { all_in_directory()? } else { self.files.clone() };
+        if self.files.is_empty() {
+            return built_in(common);
+        }
         let mut first_wrong = None;
         let mut machines = Vec::new();
-        for file in &files {
+        for file in &self.files {
             match Machine::read(file) {
                 Ok(machine) => machines.push(machine),
                 // Every file is checked; all but the last error are told on the way.
@@ -39,30 +41,35 @@ impl Arguments {
             }
         }
         if common.json {
-            let list: Vec<_> = machines.iter().map(as_json).collect();
-            output::print(&format!("{:#}\n", json!(list)))?;
+            let file = |machine: &Machine| ("file", machine.file().display().to_string());
+            let list: Vec<_> = machines.iter().map(|m| as_json(m, file(m))).collect();
+            output::print_json("machines", json!({ "machines": list }))?;
         } else {
             for machine in &machines {
-                output::print(&as_text(machine))?;
+                let file = machine.file().display().to_string();
+                output::print(&as_text(machine, ("file", &file)))?;
             }
         }
         first_wrong.map_or(Ok(()), Err)
     }
 }
 
-fn all_in_directory() -> Result<Vec<PathBuf>> {
-    let directory = PathBuf::from("machines");
-    let entries = std::fs::read_dir(&directory).map_err(|error| {
-        Error::input(format!("cannot list the machine files: {error}"))
-            .at(Place::file(&directory))
-            .hint("run it where the directory `machines` is, or name the files")
-    })?;
-    let mut files: Vec<PathBuf> = entries
-        .filter_map(|entry| entry.ok().map(|entry| entry.path()))
-        .filter(|file| file.extension().is_some_and(|extension| extension == "toml"))
-        .collect();
-    files.sort();
-    Ok(files)
+/// The machines that every user has.
+fn built_in(common: &Common) -> Result<()> {
+    let machines = Builtin::ALL.map(|builtin| (builtin.name, builtin.machine()));
+    let mut list = Vec::new();
+    for (name, machine) in machines {
+        let machine = machine?;
+        if common.json {
+            list.push(as_json(&machine, ("built_in", name.to_owned())));
+        } else {
+            output::print(&as_text(&machine, ("built in", name)))?;
+        }
+    }
+    if common.json {
+        output::print_json("machines", json!({ "machines": list }))?;
+    }
+    Ok(())
 }
 
 fn pivot(pivot: Pivot) -> &'static str {
@@ -84,11 +91,10 @@ fn at_feed(slide: &Slide) -> String {
     text
 }
 
-fn as_text(machine: &Machine) -> String {
+fn as_text(machine: &Machine, (what, from): (&str, &str)) -> String {
     let mut text = format!(
-        "{}\n  file      {}\n  topology  {}\n",
+        "{}\n  {what:9} {from}\n  topology  {}\n",
         machine.name(),
-        machine.file().display(),
         machine.topology().as_str()
     );
     for axis in Axis::ALL {
@@ -126,7 +132,7 @@ fn as_text(machine: &Machine) -> String {
     text
 }
 
-fn as_json(machine: &Machine) -> serde_json::Value {
+fn as_json(machine: &Machine, (what, from): (&str, String)) -> serde_json::Value {
     let axes: serde_json::Map<String, serde_json::Value> = Axis::ALL
         .into_iter()
         .map(|axis| {
@@ -143,7 +149,7 @@ fn as_json(machine: &Machine) -> serde_json::Value {
         .collect();
     json!({
         "name": machine.name(),
-        "file": machine.file().display().to_string(),
+        (what): from,
         "topology": machine.topology().as_str(),
         "axes": axes,
         "decimals": machine.controller().decimals,

@@ -6,6 +6,7 @@
 
 mod align;
 mod analyse;
+mod ask;
 mod blind;
 mod check;
 mod common;
@@ -14,12 +15,14 @@ mod design;
 mod diagnose;
 mod estimate;
 mod identify;
+mod init;
 mod machines;
 mod manual;
 mod output;
 mod paper;
 mod plan;
 mod program;
+mod reference;
 mod results;
 mod show;
 mod simulate;
@@ -36,7 +39,7 @@ use crate::error::Result;
 
 /// Programs for a telescoping ball-bar, alignment of its logs, identification of the machine.
 #[derive(Parser)]
-#[command(version, about, long_about = LONG_ABOUT, after_help = AFTER_HELP, disable_help_subcommand = true)]
+#[command(version, about, long_about = LONG_ABOUT, after_help = AFTER_HELP)]
 pub struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -45,10 +48,11 @@ pub struct Cli {
 }
 
 const LONG_ABOUT: &str = "Programs for a telescoping ball-bar, alignment of its logs, identification of the machine.\n\n\
-A machine file says what the machine is, a test file says what is tested, with what, and what was measured. \
+`init` writes the two files that you begin with: a machine file says what the machine is, a test file says what is tested, with what, and what was measured. \
 `plan` says what it takes and what it will determine, `program` writes the NC programs, the machine runs them, `analyse` makes coefficients and a report of the logs, `diagnose` says what the model gets wrong.";
 
 const AFTER_HELP: &str = "Examples:
+  ballbar init vmc                             a machine file and a test file to begin with
   ballbar demo                                 the whole chain on measured logs, in a few seconds
   ballbar plan test.toml                       what a test takes and what it will determine
   ballbar program test.toml -o out             write the NC programs of a test
@@ -56,6 +60,7 @@ const AFTER_HELP: &str = "Examples:
   ballbar analyse test.toml -o out             align the logs, identify, write the report
   ballbar diagnose test.toml                   what the model gets wrong, and why
   ballbar identify test.toml --json | jq .     coefficients for another program
+  ballbar reference coincidence_mm             what a key of a file means
 
 Exit codes:
   0  done
@@ -68,6 +73,7 @@ Exit codes:
 
 #[derive(Subcommand)]
 enum Command {
+    Init(init::Arguments),
     Plan(plan::Arguments),
     Program(program::Arguments),
     Check(check::Arguments),
@@ -75,12 +81,14 @@ enum Command {
     Simulate(simulate::Arguments),
     Align(align::Arguments),
     Identify(identify::Arguments),
+    #[command(visible_alias = "analyze")]
     Analyse(analyse::Arguments),
     Diagnose(diagnose::Arguments),
     Design(design::Arguments),
     Blind(blind::Arguments),
     Demo(demo::Arguments),
     Machines(machines::Arguments),
+    Reference(reference::Arguments),
     Show(show::Arguments),
     Paper(paper::Arguments),
     Completions(manual::Completions),
@@ -103,8 +111,11 @@ impl Command {
             Self::Check(_)
             | Self::Time(_)
             | Self::Blind(_)
+            // What is begun goes to a folder that it checks itself.
+            | Self::Init(_)
             | Self::Machines(_)
             | Self::Show(_)
+            | Self::Reference(_)
             | Self::Paper(_)
             | Self::Completions(_)
             | Self::Man(_) => false,
@@ -115,7 +126,7 @@ impl Command {
 /// Runs the program: parses the command line, does it, prints errors, gives the exit code.
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
-    let talk = Talk::new(cli.common.quiet);
+    let talk = Talk::new(&cli.common);
     results::heed_interrupts();
     match cli.run(&talk) {
         Ok(()) => ExitCode::SUCCESS,
@@ -133,6 +144,7 @@ impl Cli {
             results::check_directory(common)?;
         }
         match &self.command {
+            Command::Init(arguments) => arguments.run(common, talk),
             Command::Plan(arguments) => arguments.run(common, talk),
             Command::Program(arguments) => arguments.run(common, talk),
             Command::Check(arguments) => arguments.run(common, talk),
@@ -147,6 +159,7 @@ impl Cli {
             Command::Demo(arguments) => arguments.run(common, talk),
             Command::Machines(arguments) => arguments.run(common),
             Command::Show(arguments) => arguments.run(common),
+            Command::Reference(arguments) => arguments.run(common),
             Command::Paper(arguments) => arguments.run(common, talk),
             Command::Completions(arguments) => arguments.run(&mut Cli::command()),
             Command::Man(arguments) => arguments.run(&Cli::command(), common, talk),

@@ -8,7 +8,9 @@ use std::time::Duration;
 use anstream::{AutoStream, ColorChoice};
 use anstyle::{AnsiColor, Style};
 use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::Value;
 
+use super::common::{Color, Common};
 use crate::error::{Error, Kind, Result};
 
 /// Headings of a summary, and of those the cautions.
@@ -24,8 +26,14 @@ pub(super) struct Talk {
 }
 
 impl Talk {
-    pub(super) fn new(quiet: bool) -> Self {
-        Self { quiet }
+    pub(super) fn new(common: &Common) -> Self {
+        match common.color {
+            Color::Auto => ColorChoice::Auto,
+            Color::Always => ColorChoice::Always,
+            Color::Never => ColorChoice::Never,
+        }
+        .write_global();
+        Self { quiet: common.quiet }
     }
 
     /// A line for the user, unless he wants quiet.
@@ -85,6 +93,12 @@ pub(super) fn print_summary(text: &str) -> Result<()> {
         let _ = writeln!(coloured, "{style}{line}{style:#}");
     }
     send(&coloured)
+}
+
+/// Results of a command for other programs, which tell by the format what they have.
+pub(super) fn print_json(command: &str, mut results: Value) -> Result<()> {
+    results["format"] = format!("ballbar.{command}/1").into();
+    print(&format!("{results:#}\n"))
 }
 
 /// Data on stdout. A reader that went away, such as `head`, is no error.

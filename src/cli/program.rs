@@ -45,10 +45,10 @@ impl Arguments {
         files.write()?;
         if common.json {
             let list: Vec<_> = written.iter().map(|program| as_json(program, common)).collect();
-            return output::print(&format!("{:#}\n", json!(list)));
+            return output::print_json("program", json!({ "programs": list }));
         }
         for program in &written {
-            output::print(&format!("{}\n", common.output.join(&program.file_name).display()))?;
+            output::print(&format!("{}\n", common.directory().join(&program.file_name).display()))?;
             talk.say(&told(program));
         }
         Ok(())
@@ -101,7 +101,7 @@ pub(super) fn told(program: &PlannedProgram) -> String {
 fn as_json(program: &PlannedProgram, common: &Common) -> serde_json::Value {
     let time = program.trajectory.duration();
     json!({
-        "file": common.output.join(&program.file_name).display().to_string(),
+        "file": common.directory().join(&program.file_name).display().to_string(),
         "mounting": program.mounting_name,
         "moves": program.back.points,
         "read_back_worst_mm": program.back.worst_mm,

@@ -6,9 +6,9 @@ use clap::Args;
 
 use super::common::Common;
 use super::output::{self, Talk};
-use super::results::Files;
+use super::results::{Files, path_from};
 use crate::design::PlannedProgram;
-use crate::error::{Error, Kind, Place, Result};
+use crate::error::{Error, Kind, Result};
 use crate::machine::Machine;
 use crate::model::{Effect, ModelFile};
 use crate::nc;
@@ -29,7 +29,7 @@ use crate::simulate::{
   ballbar simulate test.toml --hide cyclic:on=EXX,period_mm=10,amplitude_um=1.2 \\
                              --hide drift:on=EZt,amplitude_um=6,time_constant_s=500
 
-The causes that can be hidden, their keys and equations: section Causes of docs/reference.md")]
+The causes that can be hidden, their keys and equations: ballbar reference causes")]
 pub(super) struct Arguments {
     /// The test file
     #[arg(value_name = "TEST")]
@@ -96,18 +96,18 @@ impl Arguments {
             .map(|one| TrueRun { log: &one.log, program: &sources[one.source].file, run: &one.run })
             .collect();
         files.add("truth.toml", truth_toml(&truths, &asked_of(&test, &machine, &scenario)?));
-        files.add("test.toml", self.test_of(&test, &sources, &simulated)?);
+        files.add("test.toml", self.test_of(&test, &sources, &simulated, common.directory())?);
         let files = files.write()?.files;
         if common.json {
             let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
-            return output::print(&format!("{:#}\n", serde_json::json!({ "files": names })));
+            return output::print_json("simulate", serde_json::json!({ "files": names }));
         }
         for file in files {
             output::print(&format!("{}\n", file.display()))?;
         }
         talk.say(&format!(
             "analyse them with: ballbar analyse {}",
-            common.output.join("test.toml").display()
+            common.directory().join("test.toml").display()
         ));
         Ok(())
     }
@@ -215,18 +215,19 @@ impl Arguments {
     }
 
     /// The test file with the simulated runs in place of its own.
-    fn test_of(&self, test: &Test, sources: &[Source], simulated: &[Simulated]) -> Result<String> {
+    fn test_of(
+        &self,
+        test: &Test,
+        sources: &[Source],
+        simulated: &[Simulated],
+        folder: &Path,
+    ) -> Result<String> {
         let faulty = |what: String| Error::new(Kind::Output, what);
         let source = crate::toml_text::read(&self.test)?;
         let mut table: toml::Table =
             toml::from_str(&source).map_err(|error| faulty(error.to_string()))?;
-        let machine = test.machine()?.file().to_path_buf();
-        let machine = std::fs::canonicalize(&machine).unwrap_or(machine);
-        let named = machine.to_str().ok_or_else(|| {
-            faulty("a test file cannot name a machine file whose path is no text".to_owned())
-                .at(Place::file(&machine))
-                .hint("give the file and its directories names in UTF-8")
-        })?;
+        let machine = test.machine()?;
+        let named = path_from(folder, machine.file())?;
         table.insert("machine".into(), named.into());
         // The simulated log has the usual columns, whatever the measured ones had.
         table.remove("log");

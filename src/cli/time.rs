@@ -61,7 +61,7 @@ impl Arguments {
                 "operator_stops": time.stops,
                 "by_comment": by_comment(&trajectory),
             });
-            return output::print(&format!("{value:#}\n"));
+            return output::print_json("time", value);
         }
         output::print(&format!("{}: {}\n", minutes(time.known_s()), told(&time)))
     }

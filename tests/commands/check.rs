@@ -185,7 +185,7 @@ fn the_time_is_that_of_the_plan() {
     let timed: serde_json::Value = serde_json::from_str(&timed.stdout()).unwrap();
     let without: serde_json::Value = serde_json::from_str(&without.stdout()).unwrap();
     let apart = |timed: &serde_json::Value, key: &str| {
-        (planned[0][key].as_f64().unwrap() - timed[key].as_f64().unwrap()).abs()
+        (planned["programs"][0][key].as_f64().unwrap() - timed[key].as_f64().unwrap()).abs()
     };
     for key in ["feed_s", "dwell_s", "rapid_s", "operator_stops"] {
         assert!(apart(&timed, key) < 1e-6, "{key}");

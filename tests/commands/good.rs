@@ -150,7 +150,7 @@ fn machine_files_are_listed() {
     assert!(outcome.stdout().contains("wCBXFZYSt") && outcome.stdout().contains("wXYFZSt"));
     let outcome = work.ballbar(&["machines", "--json", &files[0]]).done();
     let list: serde_json::Value = serde_json::from_str(&outcome.stdout()).unwrap();
-    assert_eq!(list[0]["axes"]["X"]["pivot"], "carriage");
+    assert_eq!(list["machines"][0]["axes"]["X"]["pivot"], "carriage");
 }
 
 #[test]
@@ -179,11 +179,13 @@ fn completions_and_man_pages_are_made() {
         "design",
         "diagnose",
         "identify",
+        "init",
         "machines",
         "man",
         "paper",
         "plan",
         "program",
+        "reference",
         "show",
         "simulate",
         "time",

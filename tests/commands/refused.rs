@@ -296,7 +296,7 @@ fn files_that_are_not_there() {
 #[test]
 fn a_wrong_command_line_has_its_own_exit_code() {
     let work = Work::new();
-    let outcome = work.ballbar(&["analyze", "test.toml"]);
+    let outcome = work.ballbar(&["analise", "test.toml"]);
     assert_eq!(outcome.code(), 2);
     assert!(outcome.stderr().contains("'analyse'"), "{}", outcome.stderr());
 }

@@ -6,6 +6,7 @@
 mod folder;
 mod interrupt;
 mod manifest;
+mod path_from;
 
 use std::path::{Path, PathBuf};
 
@@ -17,11 +18,14 @@ use folder::{Folder, cannot_write};
 use manifest::{Hash, Manifest};
 
 pub(super) use interrupt::heed as heed_interrupts;
+pub(super) use path_from::path_from;
 
 /// The files of a command: nothing is written before all are ready.
 pub(super) struct Files {
     directory: PathBuf,
     overwrite: bool,
+    /// Whether what is there stays, whoever wrote it.
+    keep: bool,
     /// What the command has read: none of it is replaced.
     read: Vec<PathBuf>,
     /// Which files of an earlier command these take the place of, whether or not they are among them.
@@ -42,9 +46,22 @@ impl Files {
     /// None yet; `read` are the files that the command has read.
     pub(super) fn of(common: &Common, read: Vec<PathBuf>) -> Self {
         Self {
-            directory: common.output.clone(),
+            directory: common.directory().to_path_buf(),
             overwrite: common.overwrite,
+            keep: false,
             read,
+            replaced: |_| false,
+            ready: Vec::new(),
+        }
+    }
+
+    /// None yet, for a directory in which nothing is replaced: what is written there is edited by its user.
+    pub(super) fn kept(directory: &Path) -> Self {
+        Self {
+            directory: directory.to_path_buf(),
+            overwrite: false,
+            keep: true,
+            read: Vec::new(),
             replaced: |_| false,
             ready: Vec::new(),
         }
@@ -140,6 +157,12 @@ impl Files {
         let refused = |what: &str, hint: &str| {
             Err(Error::new(Kind::Output, what).at(Place::file(&file)).hint(hint))
         };
+        if self.keep {
+            return refused(
+                "there is such a file already",
+                "name a folder of its own for the new files",
+            );
+        }
         let whole = |file: &Path| std::fs::canonicalize(file).ok();
         let place = whole(&file);
         if self.read.iter().any(|read| place.is_some() && whole(read) == place) {
@@ -173,7 +196,7 @@ impl Written {
 /// Refuses a directory that results could not be written to, before any work is done for them, and sets right what
 /// a command left there that was killed while it wrote; nothing is made.
 pub(super) fn check_directory(common: &Common) -> Result<()> {
-    let directory = &common.output;
+    let directory = common.directory();
     let there = directory.ancestors().find(|ancestor| ancestor.exists());
     let there = there.unwrap_or_else(|| Path::new("."));
     if there.is_file() {

@@ -52,6 +52,14 @@ pub struct DiagnosisFacts {
     pub left_out: Vec<LeftOut>,
 }
 
+/// A diagnosis that is no part of an analysis says itself what it is.
+#[derive(Serialize)]
+struct Alone<'a> {
+    format: &'static str,
+    #[serde(flatten)]
+    facts: &'a DiagnosisFacts,
+}
+
 impl DiagnosisFacts {
     /// Whether of any run it is known what does not repeat.
     pub(super) fn floors_known(&self) -> bool {
@@ -63,7 +71,8 @@ impl DiagnosisFacts {
     /// # Errors
     /// When a number is not finite.
     pub fn to_json(&self) -> Result<String> {
-        let mut text = serde_json::to_string_pretty(self).map_err(|error| {
+        let alone = Alone { format: "ballbar.diagnosis/1", facts: self };
+        let mut text = serde_json::to_string_pretty(&alone).map_err(|error| {
             Error::new(Kind::Output, format!("the diagnosis cannot be written as JSON: {error}"))
         })?;
         text.push('\n');

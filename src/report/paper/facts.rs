@@ -39,6 +39,7 @@ pub fn paper_json(paper: &Comparison, nearest: Option<&Nearest>) -> Value {
     };
     let at = &paper.geometry;
     json!({
+        "format": "ballbar.paper/1",
         "geometry": {
             "coincidence_mm": at.coincidence_mm,
             "tool_length_mm": at.tool_length_mm,

@@ -1,0 +1,253 @@
+//! `ballbar init`: a machine file and a test file to begin with.
+
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde_json::json;
+
+use super::ask::Ask;
+use super::common::Common;
+use super::output::{self, Talk};
+use super::results::Files;
+use crate::error::{Error, Result};
+use crate::machine::{Axis, Builtin, Dialect, Topology};
+use crate::start::{Begun, TestKind, Travel, Wish, Zero};
+
+/// Begin: write a machine file and a test file that can be planned at once
+///
+/// On a terminal it asks for what is not given, with a default for everything; elsewhere it takes the defaults and says
+/// which. Every key in the files has a comment. The balls are put where the test fits into the travel. Nothing that is
+/// there already is replaced.
+#[derive(Args)]
+#[command(after_help = "Examples:
+  ballbar init                                      asks, and writes to this directory
+  ballbar init vmc --machine vertical --test xy
+  ballbar init vmc --topology wXYFZSt --travel=-762..0,-406..0,-508..0 --test iso230-4
+  ballbar init hmc --machine horizontal --travel 560,560,600 --zero middle --test 3d6
+
+Machines: `ballbar machines` lists those that are built in.
+Tests: xy, yz, zx (a plane), iso230-4 (three planes), 2d, 3d5, 3d6, 3d10 (the sphere), design (let `ballbar design` choose).")]
+pub(super) struct Arguments {
+    /// Directory for the two files; made if it is not there. Without it, that of `-o`, or this one
+    #[arg(value_name = "FOLDER")]
+    folder: Option<PathBuf>,
+    /// The built-in machine that yours is most like
+    #[arg(long, value_name = "NAME", value_parser = told(Builtin::named))]
+    machine: Option<Builtin>,
+    /// What your machine is called
+    #[arg(long, value_name = "TEXT", value_parser = told(name_of))]
+    name: Option<String>,
+    /// The order of its slides from the workpiece over the frame F to the tool
+    #[arg(long, value_name = "wXYFZSt", value_parser = told(Topology::parse))]
+    topology: Option<Topology>,
+    /// Machine coordinates of X, Y and Z, mm: `-762..0,-406..0,-508..0`; or three lengths, with `--zero`
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = told(Travels::parse))]
+    travel: Option<Travels>,
+    /// Where the zero is in travels that are lengths: upper, middle or lower
+    #[arg(long, value_name = "END", value_parser = told(Zero::parse))]
+    zero: Option<Zero>,
+    /// The control: how programs are written
+    #[arg(long, visible_alias = "dialect", value_name = "DIALECT", value_parser = told(dialect_of))]
+    control: Option<Dialect>,
+    /// Length of the bar, mm; without it the longest of 150, 100 and 50 that fits
+    #[arg(long, value_name = "MM", value_parser = told(length))]
+    bar: Option<f64>,
+    /// From the spindle nose to the centre of the tool ball, mm
+    #[arg(long, value_name = "MM", value_parser = told(length))]
+    tool: Option<f64>,
+    /// What is driven
+    #[arg(long, value_name = "TEST", value_parser = told(TestKind::parse))]
+    test: Option<TestKind>,
+    /// Feed, mm/min
+    #[arg(long, value_name = "MM_MIN", value_parser = told(length))]
+    feed: Option<f64>,
+    /// Do not ask, also on a terminal
+    #[arg(long)]
+    defaults: bool,
+}
+
+/// Three travels as one value of the command line.
+#[derive(Clone)]
+struct Travels([Travel; 3]);
+
+impl Travels {
+    fn parse(text: &str) -> Result<Self> {
+        Travel::parse(text).map(Self)
+    }
+}
+
+/// A parser of this program as one of the command line.
+fn told<T: Clone + Send + Sync + 'static>(
+    parse: impl Fn(&str) -> Result<T> + Clone + Send + Sync + 'static,
+) -> impl Fn(&str) -> std::result::Result<T, String> + Clone + Send + Sync + 'static {
+    move |text| {
+        parse(text).map_err(|error| match error.hint {
+            Some(hint) => format!("{}; {hint}", error.what),
+            None => error.what,
+        })
+    }
+}
+
+fn dialect_of(name: &str) -> Result<Dialect> {
+    Dialect::ALL.into_iter().find(|dialect| dialect.name().eq_ignore_ascii_case(name)).ok_or_else(
+        || {
+            Error::input(format!("unknown control `{name}`"))
+                .hint(format!("write one of `{}`", Dialect::ALL.map(Dialect::name).join("`, `")))
+        },
+    )
+}
+
+fn name_of(text: &str) -> Result<String> {
+    let text = text.trim();
+    if text.is_empty() || text.contains(char::is_control) {
+        return Err(Error::input("the name is empty, or no text").hint("write what people call it"));
+    }
+    Ok(text.to_owned())
+}
+
+/// A number above zero; its bounds are those of the key that it becomes.
+fn length(text: &str) -> Result<f64> {
+    let value = text.parse().ok().filter(|value: &f64| value.is_finite() && *value > 0.0);
+    value.ok_or_else(|| {
+        Error::input(format!("`{text}` is not a number above zero"))
+            .hint("write a number, such as 100.0")
+    })
+}
+
+/// What was not given, and what is taken for it.
+#[derive(Default)]
+struct Taken(Vec<(&'static str, String)>);
+
+/// Where answers come from: the options, then a person, then the defaults.
+struct Answers<'a> {
+    ask: Option<Ask<'a>>,
+    taken: Taken,
+}
+
+impl Answers<'_> {
+    fn get<T: Clone>(
+        &mut self,
+        (option, given): (&'static str, &Option<T>),
+        question: &str,
+        default: &str,
+        parse: impl Fn(&str) -> Result<T>,
+    ) -> Result<T> {
+        if let Some(given) = given {
+            return Ok(given.clone());
+        }
+        match &mut self.ask {
+            Some(ask) => ask.ask(question, default, parse),
+            None => {
+                self.taken.0.push((option, default.to_owned()));
+                parse(default)
+            }
+        }
+    }
+}
+
+/// The word for the longest usual bar that fits.
+const FITTING: &str = "longest that fits";
+
+impl Arguments {
+    pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
+        let folder = self.folder.as_deref().or(common.output.as_deref()).unwrap_or(Path::new("."));
+        let (mut input, mut shown) = (std::io::stdin().lock(), std::io::stderr());
+        let person = input.is_terminal() && shown.is_terminal() && !self.defaults && !common.json;
+        let ask = person.then_some(Ask { input: &mut input, output: &mut shown });
+        let mut answers = Answers { ask, taken: Taken::default() };
+        let wish = self.wish(&mut answers)?;
+        let taken = answers.taken;
+        let begun = Begun::new(&wish, folder)?;
+        let mut files = Files::kept(folder);
+        files.add(Begun::MACHINE, begun.machine_text.clone());
+        files.add(Begun::TEST, begun.test_text.clone());
+        let written = files.write()?;
+        if common.json {
+            let names: Vec<_> =
+                written.files.iter().map(|file| file.display().to_string()).collect();
+            let taken: serde_json::Map<_, _> = taken
+                .0
+                .into_iter()
+                .map(|(option, value)| (option.to_owned(), value.into()))
+                .collect();
+            return output::print_json("init", json!({ "files": names, "defaults": taken }));
+        }
+        for file in &written.files {
+            output::print(&format!("{}\n", file.display()))?;
+        }
+        if !taken.0.is_empty() {
+            let list: Vec<_> =
+                taken.0.iter().map(|(option, value)| format!("  --{option:9}{value}")).collect();
+            talk.say(&format!("not given, so taken:\n{}", list.join("\n")));
+        }
+        let mounting = &begun.test.mountings()[0];
+        let place = mounting.mounting.coincidence_mm;
+        talk.say(&format!(
+            "the test fits with a bar of {} mm and the balls at X {} Y {} Z {}; the comment on `coincidence_mm` says how to find your place",
+            mounting.bar_length_mm, place.x, place.y, place.z
+        ));
+        let test = folder.join(Begun::TEST);
+        let next = if wish.test == TestKind::Design { "design" } else { "plan" };
+        talk.say(&format!("next: ballbar {next} {}", test.display()));
+        Ok(())
+    }
+
+    fn wish(&self, answers: &mut Answers<'_>) -> Result<Wish> {
+        let names = |names: &[&str]| names.join(", ");
+        let question = format!("Machine like ({})", names(&Builtin::ALL.map(|b| b.name)));
+        let machine = answers.get(
+            ("machine", &self.machine),
+            &question,
+            Builtin::ALL[0].name,
+            Builtin::named,
+        )?;
+        let mut wish = Wish::of(machine, TestKind::Design)?;
+        wish.name = answers.get(("name", &self.name), "Its name", &wish.name, name_of)?;
+        let question = "Its slides from the workpiece w over the frame F to the tool t";
+        let default = wish.topology.as_str().to_owned();
+        wish.topology =
+            answers.get(("topology", &self.topology), question, &default, Topology::parse)?;
+        wish.travel_mm = self.travel_mm(&wish, answers)?;
+        let question = format!("Control ({})", names(&Dialect::ALL.map(Dialect::name)));
+        let default = wish.dialect.name();
+        wish.dialect = answers.get(("control", &self.control), &question, default, dialect_of)?;
+        let question = "From the spindle nose to the centre of the tool ball, mm";
+        wish.tool_mm =
+            answers.get(("tool", &self.tool), question, &wish.tool_mm.to_string(), length)?;
+        if let Some(ask) = &mut answers.ask.as_mut().filter(|_| self.test.is_none()) {
+            for kind in TestKind::all() {
+                // A terminal that has gone away is told by the question.
+                let _ = writeln!(ask.output, "  {:9} {}", kind.name(), kind.words());
+            }
+        }
+        wish.test = answers.get(("test", &self.test), "Test", "xy", TestKind::parse)?;
+        let bar = |text: &str| if text == FITTING { Ok(None) } else { length(text).map(Some) };
+        wish.bar_mm =
+            answers.get(("bar", &self.bar.map(Some)), "Length of the bar, mm", FITTING, bar)?;
+        let default = wish.test.usual_feed_mm_min().to_string();
+        wish.feed_mm_min = answers.get(("feed", &self.feed), "Feed, mm/min", &default, length)?;
+        Ok(wish)
+    }
+
+    fn travel_mm(&self, wish: &Wish, answers: &mut Answers<'_>) -> Result<[[f64; 2]; 3]> {
+        let lengths =
+            |wish: &Wish| wish.travel_mm.map(|[low, high]| (high - low).to_string()).join(",");
+        // A zero alone moves the travels of the built-in machine.
+        let default =
+            if self.zero.is_some() { lengths(wish) } else { Travel::text(&wish.travel_mm) };
+        let question = "Machine coordinates of X, Y, Z, mm, as LOWEST..HIGHEST or as lengths";
+        let Travels(travels) =
+            answers.get(("travel", &self.travel), question, &default, Travels::parse)?;
+        let zero = if travels.iter().any(|travel| travel.asks_for_zero()) {
+            let question = "Zero of the machine coordinates (upper, middle, lower end)";
+            answers.get(("zero", &self.zero), question, Zero::ALL[0].name(), Zero::parse)?
+        } else if self.zero.is_some() {
+            return Err(Error::input("`--zero` is for travels that are lengths")
+                .hint("write `--travel 762,406,508 --zero upper`, or leave `--zero` out"));
+        } else {
+            Zero::Upper
+        };
+        Ok(Axis::ALL.map(|axis| travels[axis.index()].between_mm(zero)))
+    }
+}

@@ -1,0 +1,194 @@
+//! Somebody's first day, with the binary and nothing else.
+
+use std::io::Write as _;
+use std::process::{Command, Stdio};
+
+use crate::work::{Work, project};
+
+/// The first section of the guide is the five commands, word for word; no file is edited.
+#[test]
+fn five_commands_lead_from_nothing_to_a_report() {
+    let guide = std::fs::read_to_string(project().join("docs/guide.md")).unwrap();
+    let first = guide.split("\n## ").nth(1).unwrap();
+    let lines: Vec<&str> =
+        first.lines().filter_map(|line| line.strip_prefix("    ballbar ")).collect();
+    assert_eq!(lines.len(), 5, "{first}");
+    let readme = std::fs::read_to_string(project().join("README.md")).unwrap();
+    let work = Work::new();
+    for line in lines {
+        assert!(readme.contains(&format!("ballbar {line}\n")), "README has other words: {line}");
+        let outcome = Command::new(assert_cmd::cargo::cargo_bin!("ballbar"))
+            .current_dir(work.path(""))
+            .args(line.split_whitespace())
+            .stdin(Stdio::null())
+            .output()
+            .unwrap();
+        let told = String::from_utf8_lossy(&outcome.stderr);
+        assert!(outcome.status.success(), "{line}: {told}");
+    }
+    let report = std::fs::read_to_string(work.path("vmc/results/report.html")).unwrap();
+    assert!(report.contains("XY plane"));
+    let test = std::fs::read_to_string(work.path("vmc/virtual/test.toml")).unwrap();
+    assert!(test.contains("machine = \"../machine.toml\""), "{test}");
+    // The folder can be mailed.
+    std::fs::rename(work.path("vmc"), work.path("elsewhere")).unwrap();
+    work.ballbar(&["identify", "elsewhere/virtual/test.toml"]).done();
+}
+
+#[test]
+fn what_was_not_given_is_told_and_what_was_given_is_taken() {
+    let work = Work::new();
+    let given = [
+        "init",
+        "mine",
+        "--topology",
+        "wFYXZSt",
+        "--travel=-900..0,-500..0,-450..0",
+        "--control",
+        "linuxcnc",
+        "--bar",
+        "100",
+        "--tool",
+        "95.5",
+        "--test",
+        "iso230-4",
+        "--feed",
+        "1200",
+    ];
+    let outcome = work.ballbar(&given).done();
+    let told = outcome.stderr();
+    assert!(told.contains("--machine  vertical") && told.contains("--name "), "{told}");
+    assert!(
+        !told.contains("--travel") && told.contains("next: ballbar plan mine/test.toml"),
+        "{told}"
+    );
+    assert_eq!(outcome.stdout(), "mine/machine.toml\nmine/test.toml\n");
+    let machine = work.ballbar(&["machines", "mine/machine.toml"]).done().stdout();
+    assert!(machine.contains("wFYXZSt") && machine.contains("linuxcnc"), "{machine}");
+    assert!(machine.contains("-900.0 to    0.0 mm"), "{machine}");
+    let test = std::fs::read_to_string(work.path("mine/test.toml")).unwrap();
+    for key in ["length_mm = 100.0 ", "tool_ball_mm = [0.0, 0.0, -95.5] ", "feed_mm_min = 1200.0 "]
+    {
+        assert!(test.contains(key), "{key}\n{test}");
+    }
+    work.ballbar(&["plan", "mine/test.toml"]).done();
+    work.ballbar(&["program", "mine/test.toml"]).done();
+    let check = ["check", "results/O1001.nc", "--test", "mine/test.toml"];
+    assert!(work.ballbar(&check).done().stderr().contains("0 error(s), 0 warning(s)"));
+}
+
+#[test]
+fn a_design_can_be_planned_before_it_is_designed() {
+    let work = Work::new();
+    work.ballbar(&["init", "mine", "--machine", "hu40t", "--test", "design"]).done();
+    let plan = work.ballbar(&["plan", "mine/test.toml"]).done().stdout();
+    assert!(plan.contains("strategy 3d6"), "{plan}");
+}
+
+#[test]
+fn what_is_there_stays() {
+    let work = Work::new();
+    work.ballbar(&["init", "mine"]).done();
+    let before = std::fs::read(work.path("mine/test.toml")).unwrap();
+    // The same again changes nothing; anything else is refused, also where nobody has edited the files.
+    work.ballbar(&["init", "mine"]).done();
+    for more in [&["--bar", "100"][..], &["--bar", "100", "--overwrite"]] {
+        let refused = work.ballbar(&[&["init", "mine"], more].concat());
+        assert_eq!(refused.code(), 5, "{}", refused.stderr());
+        assert!(refused.stderr().contains("there is such a file already"), "{}", refused.stderr());
+    }
+    assert_eq!(std::fs::read(work.path("mine/test.toml")).unwrap(), before);
+}
+
+#[test]
+fn what_cannot_be_begun_is_refused_with_what_to_write() {
+    let work = Work::new();
+    for (given, code, told) in [
+        (&["--machine", "lathe"][..], 2, "`vertical`, `horizontal`, `hu40t`"),
+        (&["--topology", "XYZ"], 2, "wCBXFZYSt"),
+        (&["--travel", "100,200"], 2, "2 travels instead of three"),
+        (&["--test", "xz"], 2, "`xy`, `yz`, `zx`, `iso230-4`"),
+        (&["--control", "siemens9000"], 2, "`fanuc`, `linuxcnc`"),
+        (&["--bar", "-5"], 2, "unexpected argument"),
+        (&["--feed", "nan"], 2, "number above zero"),
+        (&["--feed", "70000"], 1, "between 1 and 60000"),
+        (&["--bar", "600"], 1, "use a shorter one"),
+        (&["--zero", "upper", "--travel=-5..5,0..9,0..9"], 1, "`--zero` is for travels"),
+        (&["--travel", "120,120,120"], 1, "of axis X"),
+    ] {
+        let outcome = work.ballbar(&[&["init", "mine"], given].concat());
+        assert_eq!(outcome.code(), code, "{given:?}: {}", outcome.stderr());
+        assert!(outcome.stderr().contains(told), "{given:?}: {}", outcome.stderr());
+        assert!(!work.path("mine").exists(), "nothing half-written");
+    }
+}
+
+#[test]
+fn the_built_in_machines_are_listed_anywhere() {
+    let work = Work::new();
+    let told = work.ballbar(&["machines"]).done().stdout();
+    for part in ["built in  vertical", "built in  horizontal", "built in  hu40t", "wXYFZSt"] {
+        assert!(told.contains(part), "{part}\n{told}");
+    }
+}
+
+#[test]
+fn help_and_the_other_spelling_are_known() {
+    let work = Work::new();
+    let help = Command::new(assert_cmd::cargo::cargo_bin!("ballbar"))
+        .args(["help", "analyse"])
+        .output()
+        .unwrap();
+    let help = String::from_utf8(help.stdout).unwrap();
+    assert!(help.contains("Usage: ballbar analyse"), "{help}");
+    let other = work.ballbar(&["analyze", "--help"]).done().stdout();
+    assert!(other.contains("Usage: ballbar analyse"), "{other}");
+    let coloured = work.ballbar(&["plan", "none.toml", "--color", "always"]);
+    assert!(coloured.stderr().contains("\u{1b}["), "{}", coloured.stderr());
+    let plain = work.ballbar(&["plan", "none.toml", "--color", "never"]);
+    assert!(!plain.stderr().contains('\u{1b}'), "{}", plain.stderr());
+}
+
+#[test]
+fn slips_of_the_first_day_have_a_hint() {
+    let work = Work::new();
+    let text = "name = \"T\"\nmachine = \"C:\\Users\\Mueller\\vmc.toml\"\n";
+    for (line, told) in [
+        ("log = \"C:\\Users\\m.csv\"", "write slashes, `\"C:/Users/m.csv\"`"),
+        ("log = \"logs\\plain.csv\"", "or single quotes, `'logs\\plain.csv'`"),
+        ("length_mm = 100,0", "write a decimal point: `length_mm = 100.0`"),
+        ("length_mm = -0,25  # mm", "write a decimal point: `length_mm = -0.25`"),
+        ("length_mm = ?", "`ballbar reference KEY`"),
+    ] {
+        work.write("test.toml", format!("{line}\n{text}"));
+        let message = work.ballbar(&["plan", "test.toml"]).refused(1);
+        assert!(message.contains(told), "{line}: {message}");
+    }
+}
+
+#[test]
+fn a_program_from_a_pipe_is_checked() {
+    let work = Work::new();
+    work.ballbar(&["init", "mine"]).done();
+    work.ballbar(&["program", "mine/test.toml"]).done();
+    let program = std::fs::read(work.path("results/O1001.nc")).unwrap();
+    for (text, code, told) in [
+        (program.as_slice(), 0, "0 error(s), 0 warning(s)"),
+        (b"%\nO1\nG01 X10 F500.\nM30\n%\n", 1, "-:3:"),
+    ] {
+        let mut check = Command::new(assert_cmd::cargo::cargo_bin!("ballbar"))
+            .current_dir(work.path(""))
+            .args(["check", "-", "--test", "mine/test.toml"])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        check.stdin.take().unwrap().write_all(text).unwrap();
+        let outcome = check.wait_with_output().unwrap();
+        let said = [outcome.stdout, outcome.stderr].concat();
+        let said = String::from_utf8(said).unwrap();
+        assert_eq!(outcome.status.code(), Some(code), "{said}");
+        assert!(said.contains(told), "{said}");
+    }
+}
