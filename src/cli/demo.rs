@@ -1,7 +1,5 @@
 //! `ballbar demo`: the whole chain on measured logs.
 
-use std::path::{Path, PathBuf};
-
 use clap::Args;
 
 use super::analyse::add_results;
@@ -11,7 +9,7 @@ use super::output::{self, Talk};
 use super::program::told;
 use super::results::Files;
 use crate::design::PlannedProgram;
-use crate::error::{Error, Place, Result};
+use crate::error::{Error, Kind, Place, Result};
 use crate::plan::Test;
 use crate::report;
 
@@ -20,8 +18,8 @@ const TEST: &str = "tests/data/hu40t/test.toml";
 
 /// Show the whole chain on five measured logs
 ///
-/// Writes the 3D6 program for the HU40-T and checks it by reading it back, analyses the five logs of
-/// tests/data/hu40t, and writes program, report and samples.
+/// Writes the 3D6 program for the HU40-T and checks it by reading it back, analyses five logs of it, which
+/// are in the program, and writes program, report and samples.
 #[derive(Args)]
 pub(super) struct Arguments {}
 
@@ -29,7 +27,8 @@ impl Arguments {
     // The other subcommands have arguments to look at.
     #[expect(clippy::unused_self)]
     pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
-        let file = demonstration()?;
+        let directory = unpacked()?;
+        let file = directory.path().join(TEST);
         let test = Test::read(&file)?;
         let written = PlannedProgram::new(&test, &test.machine()?, 0)?;
         talk.say(&format!(
@@ -63,13 +62,32 @@ impl Arguments {
     }
 }
 
-/// The test file, from here or from where the program was built.
-fn demonstration() -> Result<PathBuf> {
-    let here = Path::new(TEST);
-    let built = Path::new(env!("CARGO_MANIFEST_DIR")).join(TEST);
-    [here.to_path_buf(), built].into_iter().find(|file| file.is_file()).ok_or_else(|| {
-        Error::input("the measured logs of the demonstration are not here")
-            .at(Place::file(here))
-            .hint("run it in the project's directory: `cargo run --release -- demo`")
+/// The files of the demonstration, which are in the program: names relative to the project, and contents.
+const FILES: [(&str, &[u8]); 8] = [
+    ("machines/hu40t.toml", include_bytes!("../../machines/hu40t.toml")),
+    (TEST, include_bytes!("../../tests/data/hu40t/test.toml")),
+    ("tests/data/hu40t/O1005.nc.gz", include_bytes!("../../tests/data/hu40t/O1005.nc.gz")),
+    ("tests/data/hu40t/run1.csv.gz", include_bytes!("../../tests/data/hu40t/run1.csv.gz")),
+    ("tests/data/hu40t/run2.csv.gz", include_bytes!("../../tests/data/hu40t/run2.csv.gz")),
+    ("tests/data/hu40t/run3.csv.gz", include_bytes!("../../tests/data/hu40t/run3.csv.gz")),
+    ("tests/data/hu40t/run4.csv.gz", include_bytes!("../../tests/data/hu40t/run4.csv.gz")),
+    ("tests/data/hu40t/run5.csv.gz", include_bytes!("../../tests/data/hu40t/run5.csv.gz")),
+];
+
+/// Writes them where they are gone when the demonstration is over.
+fn unpacked() -> Result<tempfile::TempDir> {
+    let write = || {
+        let directory = tempfile::tempdir()?;
+        for (name, content) in FILES {
+            let file = directory.path().join(name);
+            std::fs::create_dir_all(file.parent().unwrap_or(directory.path()))?;
+            std::fs::write(file, content)?;
+        }
+        Ok(directory)
+    };
+    write().map_err(|error: std::io::Error| {
+        Error::new(Kind::Output, format!("the measured logs cannot be unpacked: {error}"))
+            .at(Place::file(&std::env::temp_dir()))
+            .hint("name another directory for what is temporary, such as `TMPDIR=.`")
     })
 }

@@ -136,13 +136,11 @@ impl Answers<'_> {
         if let Some(given) = given {
             return Ok(given.clone());
         }
-        match &mut self.ask {
-            Some(ask) => ask.ask(question, default, parse),
-            None => {
-                self.taken.0.push((option, default.to_owned()));
-                parse(default)
-            }
+        if let Some(ask) = &mut self.ask {
+            return ask.ask(question, default, parse);
         }
+        self.taken.0.push((option, default.to_owned()));
+        parse(default)
     }
 }
 

@@ -50,13 +50,12 @@ impl Begun {
             let (_, anywhere) = parse(&Vector3::zeros())?;
             parse(&place_mm(&anywhere, &machine)?)
         };
-        let (test_text, test) = match wish.bar_mm {
-            Some(bar_mm) => with(bar_mm)?,
+        let (test_text, test) = if let Some(bar_mm) = wish.bar_mm {
+            with(bar_mm)?
+        } else {
             // What speaks against the shortest bar speaks against all of them.
-            None => {
-                let [first, second, last] = BARS_MM;
-                with(first).or_else(|_| with(second)).or_else(|_| with(last))?
-            }
+            let [first, second, last] = BARS_MM;
+            with(first).or_else(|_| with(second)).or_else(|_| with(last))?
         };
         Ok(Self { machine_text, test_text, machine, test })
     }

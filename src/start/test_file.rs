@@ -77,6 +77,10 @@ fn plan(file: &mut Commented, wish: &Wish) {
 }
 
 fn measured(file: &mut Commented) {
+    file.table_off("[record]", "[record]");
+    file.off("operator", &quoted("K. Huber"));
+    file.off("machine_serial", &quoted("4711"));
+    file.off("bar_serial", &quoted("0AF3"));
     file.table_off("[log]", "[log]");
     file.off("time_column", &quoted("Time (ms)"));
     file.off("time_unit", &quoted("ms"));

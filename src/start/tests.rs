@@ -124,7 +124,7 @@ fn the_examples_of_keys_that_may_be_left_out_can_be_read() {
                 Some(example) if example.starts_with('[') || is_key(example) => example,
                 _ => line,
             });
-            lines.map(|line| format!("{line}\n")).collect::<String>()
+            lines.collect::<Vec<_>>().join("\n")
         };
         let machine = with_examples(&begun.machine_text);
         assert!(machine.matches("\nretract_mm").count() == 1, "{machine}");
