@@ -58,7 +58,7 @@ impl<'a> Follows<'a> {
         add(&mut out[self.first[run]..self.first[run + 1]], own, inverse);
     }
 
-    /// See [`Linearised::factor`] and [`Linearised::deviations`].
+    /// What `Linearised` holds as `factor` and `deviations`.
     pub(super) fn faults(&self, fit: &Fit) -> (Matrix, Vec<f64>) {
         let sigma_mm = fit.state.counts_mm();
         let (mut rows, mut deviations) = (Vec::new(), Vec::new());

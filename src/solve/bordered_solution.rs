@@ -21,7 +21,7 @@ pub struct Unknowns {
     pub own: Vec<Vec<f64>>,
 }
 
-/// The solution of [`Bordered`] rows.
+/// The solution of [`Bordered`](super::Bordered) rows.
 #[derive(Debug, Clone)]
 pub struct BorderedSolution {
     pub(super) shared: Solution,

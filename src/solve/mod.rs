@@ -20,7 +20,7 @@
 //! | [`Bordered`] | triangles of blocks that share some unknowns and have others of their own | the same, linear in the blocks |
 //! | [`Loss`], [`robust_scale`] | residuals | weights of the next step |
 //! | [`Basis`] | a further column | what the fit leaves of it |
-//! | [`minimax`] | few columns, values | the fit whose largest residual is the smallest |
+//! | [`minimax()`] | few columns, values | the fit whose largest residual is the smallest |
 //! | [`NoiseModel`], [`BackwardFilter`] | residuals of contiguous segments | rows `L^T J`, for [`Solution::covariance_sandwich`] |
 //!
 //! A nonlinear model takes Gauss-Newton steps: push the Jacobian and the residuals at the present

@@ -26,7 +26,9 @@ pub const TARGET: Target = Target {
         let mut seeds: Vec<Vec<u8>> = texts.map(|text| text.as_bytes().to_vec()).into();
         let readings = "0.01 -0.02 0,03 ".repeat(12);
         let run = |way: &str| {
-            format!("<BALLBAR_RUN><RUN_DIRECTION>{way}</RUN_DIRECTION><READINGS>{readings}</READINGS><FEATURE NAME=\"AF_CALCULATED_FEEDRATE\" DT=\"UT_FEEDRATE\">998</FEATURE></BALLBAR_RUN>")
+            format!(
+                "<BALLBAR_RUN><RUN_DIRECTION>{way}</RUN_DIRECTION><READINGS>{readings}</READINGS><FEATURE NAME=\"AF_CALCULATED_FEEDRATE\" DT=\"UT_FEEDRATE\">998</FEATURE></BALLBAR_RUN>"
+            )
         };
         seeds.push(format!("<?xml version=\"1.0\"?><T><TEST_SPEC NAME=\"XY 220 grad\"/><PLANE TEST_PLANE=\"XY\"/><OPERATOR>a &amp; b</OPERATOR>{}{}</T>", run("CW"), run("CCW")).into_bytes());
         seeds.push(texts[0].encode_utf16().flat_map(u16::to_le_bytes).collect());
