@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use super::machine_file::machine_file;
 use super::place::place_mm;
 use super::test_file::test_file;
-use super::wish::Wish;
+use super::wish::{MACHINE_FILE, Wish};
 use crate::error::Result;
 use crate::machine::Machine;
 use crate::plan::Test;
@@ -30,7 +30,7 @@ const BARS_MM: [f64; 3] = [150.0, 100.0, 50.0];
 
 impl Begun {
     /// Name of the machine file.
-    pub const MACHINE: &'static str = "machine.toml";
+    pub const MACHINE: &'static str = MACHINE_FILE;
     /// Name of the test file, which names the other.
     pub const TEST: &'static str = "test.toml";
 

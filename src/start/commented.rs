@@ -92,7 +92,12 @@ impl Commented {
 
 /// A sentence of the reference in ASCII: editors of controls do not know more.
 fn plain(meaning: &str) -> String {
-    meaning.replace('`', "").replace('±', "+-").replace('²', "2")
+    meaning
+        .replace(" (µm)", "")
+        .replace('`', "")
+        .replace('±', "+-")
+        .replace('²', "2")
+        .replace('°', "deg ")
 }
 
 /// A number as TOML has it: with a decimal point.

@@ -2,10 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::begun::Begun;
 use super::commented::{Commented, number, numbers, quoted};
 use super::test_kind::TestKind;
-use super::wish::Wish;
+use super::wish::{MACHINE_FILE, Wish};
 use crate::plan::Planes;
 
 /// Budget of a design, min: what three tests of 3D6 take with their operator.
@@ -19,7 +18,7 @@ pub(super) fn test_file(wish: &Wish, bar_mm: f64, place_mm: &Vector3<f64>) -> St
          left out. `ballbar reference KEY` says more of a key, `ballbar reference test` lists all.",
     );
     file.key("name", &quoted(&format!("{}, {}", wish.name, wish.test.name())));
-    file.key("machine", &quoted(Begun::MACHINE));
+    file.key("machine", &quoted(MACHINE_FILE));
     file.table("[ball_bar]", "[ball_bar]");
     file.key("length_mm", &number(bar_mm));
     file.key("range_mm", "1.0");

@@ -4,6 +4,9 @@ use super::test_kind::TestKind;
 use crate::error::Result;
 use crate::machine::{Axis, Builtin, Dialect, Machine, Topology};
 
+/// What a machine file is called that a test file beside it names.
+pub(super) const MACHINE_FILE: &str = "machine.toml";
+
 /// A machine, a bar, a tool and a test.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Wish {

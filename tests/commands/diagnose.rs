@@ -134,8 +134,10 @@ fn a_diagnosis_as_json_is_the_key_of_the_analysis() {
     let work =
         test_of(&[("run4", 1015, log("case-d", "run4")), ("run5", 1015, log("case-d", "run5"))]);
     let outcome = work.ballbar(&["diagnose", "test.toml", "--json"]).done();
-    let told: Value = serde_json::from_str(&outcome.stdout()).unwrap();
+    let mut told: Value = serde_json::from_str(&outcome.stdout()).unwrap();
     assert_eq!(told["nothing_found"], true);
+    let format = told.as_object_mut().unwrap().remove("format");
+    assert_eq!(format.unwrap(), "ballbar.diagnosis/1");
     let analysis = std::fs::read_to_string(work.path("results/analysis.json")).unwrap();
     let analysis: Value = serde_json::from_str(&analysis).unwrap();
     assert_eq!(analysis["diagnosis"], told);

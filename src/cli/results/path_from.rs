@@ -6,7 +6,7 @@ use crate::error::{Error, Kind, Place, Result};
 
 /// The way from a directory of results to a file, with slashes on every system: both can be moved, and mailed, together.
 /// What lies on another drive is named from its root.
-pub(in crate::cli) fn path_from(directory: &Path, file: &Path) -> Result<String> {
+pub(crate) fn path_from(directory: &Path, file: &Path) -> Result<String> {
     let (from, to) = (whole(directory), whole(file));
     let common = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();
     let path = if common == 0 {
