@@ -93,8 +93,8 @@ impl Commented {
 /// A sentence of the reference in ASCII: editors of controls do not know more.
 fn plain(meaning: &str) -> String {
     meaning
-        .replace(" (µm)", "")
         .replace('`', "")
+        .replace(" (µm)", "")
         .replace('±', "+-")
         .replace('²', "2")
         .replace('°', "deg ")
