@@ -25,8 +25,7 @@ const NO_WAY_DOWN: i32 = 6;
 /// The sum of squares may rise, but not above what it was so many steps ago: chords have valleys of their own, and the
 /// way out of one leads over its edge.
 const LATELY: usize = 5;
-/// After so many steps only down, with the samples that take part by then: a time that goes to and fro over a vertex of the
-/// path would do so for ever, and sums of squares of other samples do not tell.
+/// After so many steps only down: a time that goes to and fro over a vertex of the path would do so for ever.
 const DOWNHILL_AFTER: usize = MOST_STEPS / 2;
 /// As long as a step moves any time by this much, s, the samples that take part are chosen anew, and warily: a control
 /// may do everything this much later than planned, and a sample on the wrong side of a reversal pulls its time there.
@@ -66,8 +65,7 @@ impl Fit<'_> {
             // Chosen while the times still move, then held: a sample that comes and goes at a reversal would keep the fit
             // from settling. One that has gone over a reversal is on the wrong side of it, and does not come back.
             let moved_s = self.moved_s(&chosen_s);
-            let moves = moved_s > detail.guard_s() && steps <= DOWNHILL_AFTER;
-            let choosing = wary || steps <= CHOOSING_STEPS || moves;
+            let choosing = wary || steps <= CHOOSING_STEPS || moved_s > detail.guard_s();
             if choosing {
                 let came_to_rest = wary && steps > FINDING_STEPS && moved_s < MOVES_S;
                 self.state.came_to_rest |= came_to_rest;
