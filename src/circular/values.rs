@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::thresholds::WIDEST_GAP_RAD;
 use crate::error::Result;
-use crate::solve::minimax;
+use crate::solve::{by_squares, minimax};
 
 /// A path: angle on the circle, rad, and length minus nominal length, mm, of each point.
 #[derive(Debug, Clone, Copy)]
@@ -24,7 +24,7 @@ pub(super) fn values_mm(paths: &[Path], nominal_mm: f64) -> Result<Vec<f64>> {
         paths.iter().map(|path| path.angle_rad.iter().map(|angle| row(*angle)).collect()).collect();
     let all_rows: Vec<Row> = rows.iter().flatten().copied().collect();
     let all_read: Vec<f64> = paths.iter().flat_map(|path| path.read_mm).copied().collect();
-    let [_, x_mm, y_mm] = minimax(&all_rows, &all_read)?.least_squares;
+    let [_, x_mm, y_mm] = by_squares(&all_rows, &all_read)?;
     let radial = |(row, read_mm): (&Row, &f64)| {
         let [_, cos, sin] = *row;
         let (along_mm, across_mm) = (x_mm * cos + y_mm * sin, y_mm * cos - x_mm * sin);

@@ -51,15 +51,17 @@ pub struct Minimax<const N: usize> {
 /// # Errors
 /// When there are no rows, not as many values, or numbers that are not finite.
 pub fn minimax<const N: usize>(rows: &[[f64; N]], values: &[f64]) -> Result<Minimax<N>> {
-    let finite = rows.iter().flatten().chain(values).all(|number| number.is_finite());
-    if rows.is_empty() || rows.len() != values.len() || !finite {
-        let what = format!("{} rows with {} finite values have no fit", rows.len(), values.len());
-        return Err(Error::new(Kind::Undetermined, what));
-    }
+    check(rows, values)?;
     let columns = Orthonormal::of(rows);
     let (by_squares, left) = columns.least_squares(values);
     let scale = left.iter().fold(0.0, |most: f64, e| most.max(e.abs()));
-    let level = Exchange { rows: &columns.rows(), left: &left, outside: OUTSIDE * scale }.run();
+    let exchange = Exchange {
+        rows: &columns.rows(),
+        columns: columns.of.len(),
+        left: &left,
+        outside: OUTSIDE * scale,
+    };
+    let level = exchange.run();
     let both: Vec<f64> = by_squares.iter().zip(&level.change).map(|(a, b)| a + b).collect();
     Ok(Minimax {
         coefficients: columns.coefficients(&both),
@@ -68,6 +70,25 @@ pub fn minimax<const N: usize>(rows: &[[f64; N]], values: &[f64]) -> Result<Mini
         reference: level.reference,
         least_squares: columns.coefficients(&by_squares),
     })
+}
+
+/// The coefficients of least squares alone.
+///
+/// # Errors
+/// When there are no rows, not as many values, or numbers that are not finite.
+pub fn by_squares<const N: usize>(rows: &[[f64; N]], values: &[f64]) -> Result<[f64; N]> {
+    check(rows, values)?;
+    let columns = Orthonormal::of(rows);
+    Ok(columns.coefficients(&columns.least_squares(values).0))
+}
+
+fn check<const N: usize>(rows: &[[f64; N]], values: &[f64]) -> Result<()> {
+    let finite = rows.iter().flatten().chain(values).all(|number| number.is_finite());
+    if rows.is_empty() || rows.len() != values.len() || !finite {
+        let what = format!("{} rows with {} finite values have no fit", rows.len(), values.len());
+        return Err(Error::new(Kind::Undetermined, what));
+    }
+    Ok(())
 }
 
 /// The columns made orthogonal, each with a mean square of 1, so that nothing depends on how they were scaled.
@@ -115,9 +136,11 @@ impl<const N: usize> Orthonormal<N> {
         made
     }
 
-    fn rows(&self) -> Vec<Vec<f64>> {
+    /// The orthogonal columns row by row, 0 behind the last.
+    fn rows(&self) -> Vec<[f64; N]> {
         let count = self.columns.first().map_or(0, Vec::len);
-        (0..count).map(|i| self.columns.iter().map(|column| column[i]).collect()).collect()
+        let at = |i: usize| std::array::from_fn(|k| self.columns.get(k).map_or(0.0, |c| c[i]));
+        (0..count).map(at).collect()
     }
 
     /// Coefficients of the orthogonal columns, and what they leave.
@@ -156,15 +179,17 @@ struct Level {
 }
 
 /// The exchange on what least squares leave.
-struct Exchange<'a> {
-    rows: &'a [Vec<f64>],
+struct Exchange<'a, const N: usize> {
+    rows: &'a [[f64; N]],
+    /// How many columns there are.
+    columns: usize,
     left: &'a [f64],
     outside: f64,
 }
 
-impl Exchange<'_> {
+impl<const N: usize> Exchange<'_, N> {
     fn run(&self) -> Level {
-        let columns = self.rows.first().map_or(0, Vec::len);
+        let columns = self.columns;
         let mut best = Level {
             change: vec![0.0; columns],
             deviation: self.largest(&vec![0.0; columns]).1,
@@ -230,19 +255,19 @@ impl Exchange<'_> {
 
     /// A reference: rows that are as independent as there are, and one more, with the signs of the weights that balance them.
     fn start(&self) -> Option<Vec<(usize, f64)>> {
-        let columns = self.rows.first()?.len();
+        let columns = self.columns;
         if self.rows.len() <= columns {
             return None;
         }
-        let mut left: Vec<Vec<f64>> = self.rows.to_vec();
+        let mut left: Vec<[f64; N]> = self.rows.to_vec();
         let mut chosen: Vec<usize> = Vec::new();
         for _ in 0..columns {
-            let square = |row: &Vec<f64>| dot(row, row);
+            let square = |row: &[f64; N]| dot(row, row);
             let longest = (0..left.len())
                 .max_by(|a, b| square(&left[*a]).total_cmp(&square(&left[*b])).then(b.cmp(a)))?;
             chosen.push(longest);
             let length = square(&left[longest]).sqrt();
-            let unit: Vec<f64> = left[longest].iter().map(|x| x / length).collect();
+            let unit = left[longest].map(|x| x / length);
             for row in &mut left {
                 let share = dot(row, &unit);
                 row.iter_mut().zip(&unit).for_each(|(x, u)| *x -= share * u);
@@ -283,7 +308,8 @@ impl Exchange<'_> {
 
     /// A row of the reference as a column of the dual: that the weights add up to 1, then that they balance.
     fn column(&self, (row, sign): (usize, f64)) -> Vec<f64> {
-        std::iter::once(1.0).chain(self.rows[row].iter().map(|a| sign * a)).collect()
+        let row = &self.rows[row][..self.columns];
+        std::iter::once(1.0).chain(row.iter().map(|a| sign * a)).collect()
     }
 
     fn square(&self, reference: &[(usize, f64)]) -> Mat<f64> {
