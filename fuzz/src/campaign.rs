@@ -53,6 +53,11 @@ pub fn run(target: &Target) {
         outcome.one(target, seed);
     }
     let refused = outcome.inputs - outcome.accepted;
+    assert!(
+        2 * refused <= outcome.inputs,
+        "{} refuses what its inputs are changed from",
+        target.name
+    );
     for (file, input) in corpus(target.name) {
         let before = Instant::now();
         if !outcome.one(target, &input) {

@@ -24,13 +24,6 @@ pub const TARGET: Target = Target {
             "time_s,deviation_um\n2026-11-23T23:59:59Z,---\n2026-11-24T00:00:00Z,\"6,3\"\n",
         ];
         let mut seeds: Vec<Vec<u8>> = texts.map(|text| text.as_bytes().to_vec()).into();
-        let readings = "0.01 -0.02 0,03 ".repeat(12);
-        let run = |way: &str| {
-            format!(
-                "<BALLBAR_RUN><RUN_DIRECTION>{way}</RUN_DIRECTION><READINGS>{readings}</READINGS><FEATURE NAME=\"AF_CALCULATED_FEEDRATE\" DT=\"UT_FEEDRATE\">998</FEATURE></BALLBAR_RUN>"
-            )
-        };
-        seeds.push(format!("<?xml version=\"1.0\"?><T><TEST_SPEC NAME=\"XY 220 grad\"/><PLANE TEST_PLANE=\"XY\"/><OPERATOR>a &amp; b</OPERATOR>{}{}</T>", run("CW"), run("CCW")).into_bytes());
         seeds.push(texts[0].encode_utf16().flat_map(u16::to_le_bytes).collect());
         for packed in seeds::all_of_project("tests/data", ".csv.gz").iter().take(6) {
             let mut plain = Vec::new();
@@ -99,7 +92,7 @@ fn read(input: &[u8]) -> bool {
         },
     ];
     let formats = formats.into_iter().chain([
-        // A table of angles; a .b5r is taken by any format.
+        // A table of angles.
         Format {
             time: TimeColumn::Angle { name: "angle_deg".into() },
             plane: Some([2, 0]),

@@ -2,6 +2,7 @@
 
 mod align;
 mod analysis;
+mod b5r;
 mod check;
 mod effect;
 mod files;
@@ -31,7 +32,7 @@ pub struct Target {
 }
 
 /// All of them.
-pub const ALL: [Target; 14] = [
+pub const ALL: [Target; 15] = [
     machine::TARGET,
     test::TARGET,
     scenario::TARGET,
@@ -39,6 +40,7 @@ pub const ALL: [Target; 14] = [
     effect::TARGET,
     log::TARGET,
     workbook::TARGET,
+    b5r::TARGET,
     program::TARGET,
     check::TARGET,
     plan::TARGET,

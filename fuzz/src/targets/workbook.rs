@@ -23,8 +23,9 @@ const SEED: [&str; 6] = [
     "<worksheet><dimension ref=\"A1:B4\"/><sheetData><row r=\"1\"><c r=\"A1\" t=\"s\"><v>0</v></c><c r=\"B1\" t=\"s\"><v>1</v></c></row>\
      <row r=\"2\"><c r=\"A2\" s=\"1\"><v>46349.5</v></c><c r=\"B2\"><f t=\"shared\" ref=\"B2:B3\" si=\"0\">A2*2</f><v>6.3</v></c></row>\
      <row r=\"3\"><c r=\"A3\" s=\"1\"><v>46349.6</v></c><c r=\"B3\" t=\"str\"><f t=\"shared\" si=\"0\"/><v>OVER</v></c></row>\
-     <row r=\"4\"><c r=\"A4\" t=\"n\"><v>46349.7</v></c><c r=\"B4\" t=\"e\"><v>#N/A</v></c><c t=\"b\"><v>1</v></c></row>\
-     <row r=\"5\"><c t=\"inlineStr\"><is><r><t>x</t></r></is></c><c t=\"d\"><v>2026-11-23</v></c></row></sheetData></worksheet>",
+     <row r=\"4\"><c r=\"A4\" s=\"1\" t=\"n\"><v>46349.7</v></c><c r=\"B4\" t=\"e\"><v>#N/A</v></c><c t=\"b\"><v>1</v></c></row>\
+     <row r=\"5\"><c s=\"1\"><v>46349.8</v></c><c><v>-1.5</v></c><c t=\"inlineStr\"><is><r><t>x</t></r></is></c>\
+     <c t=\"d\"><v>2026-11-23</v></c></row></sheetData></worksheet>",
     "<workbook xmlns:r=\"http://schemas.openxmlformats.org/officeDocument/2006/relationships\"><workbookPr date1904=\"0\"/>\
      <sheets><sheet name=\"Log\" sheetId=\"1\" r:id=\"rId1\"/></sheets><definedNames/></workbook>",
     "<Relationships><Relationship Id=\"rId1\" Type=\"http://schemas.openxmlformats.org/officeDocument/2006/relationships/worksheet\" \
