@@ -1,6 +1,6 @@
 //! The program of a mounting: planned, written, read back, timed.
 
-use crate::error::{Error, Kind, Place, Result};
+use crate::error::{Error, Kind, Result};
 use crate::machine::Machine;
 use crate::motion::Trajectory;
 use crate::nc::{self, Program, ReadBack, Reading, Severity, Sphere};
@@ -54,7 +54,7 @@ impl PlannedProgram {
         Ok(Self { file_name, mounting, mounting_name, path, text, program, back, trajectory })
     }
 
-    /// What speaks against running it: the errors of a check with its test, and bodies of the machine file that touch.
+    /// What speaks against running it: the errors of a check with its test.
     ///
     /// # Errors
     /// When it cannot be checked.
@@ -64,17 +64,7 @@ impl PlannedProgram {
         let sphere = Sphere::of(test, self.mounting);
         let checked = nc::check(&self.text, file, machine, &reading, sphere.as_ref())?;
         let errors = checked.findings.into_iter().filter(|f| f.severity == Severity::Error);
-        let mut objections: Vec<Error> = errors.map(|finding| finding.error).collect();
-        let touching = self.path.least_clearance(machine).filter(|least| least.clearance_mm <= 0.0);
-        objections.extend(touching.map(|least| {
-            Error::input(format!(
-                "{} and support touch on {} at the ball vector ({:.1}, {:.1}, {:.1}) mm",
-                least.part, least.section, least.ball_mm.x, least.ball_mm.y, least.ball_mm.z
-            ))
-            .at(Place::file(file))
-            .hint("take out what leads there, or correct `[clearance]` in the machine file")
-        }));
-        Ok(objections)
+        Ok(errors.map(|finding| finding.error).collect())
     }
 
     /// The same with what speaks against it in its header.

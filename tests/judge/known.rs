@@ -1,7 +1,8 @@
 //! Programs of which it is known what they do: the judge finds each of them, and lets the right one pass.
 
-use ballbar::machine::Dialect;
+use ballbar::machine::{Dialect, Machine};
 
+use crate::bodies::Bodies;
 use crate::power::Unstated;
 use crate::setting::Setting;
 use crate::verdict::{From, Verdict, judge};
@@ -18,8 +19,14 @@ fn setting() -> Setting {
         length_mm: 150.0,
         range_mm: 1.2,
         feed_mm_s: 500.0 / 60.0,
+        bodies: None,
     }
 }
+
+/// Travels of a machine file.
+const AXES: &str = "[axes.X]\ntravel_mm = [-280.0, 280.0]\nrapid_mm_min = 15000.0\nacceleration_mm_s2 = 1000.0\n\
+    [axes.Y]\ntravel_mm = [-280.0, 280.0]\nrapid_mm_min = 15000.0\nacceleration_mm_s2 = 1000.0\n\
+    [axes.Z]\ntravel_mm = [-200.0, 400.0]\nrapid_mm_min = 15000.0\nacceleration_mm_s2 = 1000.0\n";
 
 /// A quarter of the equator there and back.
 const RIGHT: &str = "\
@@ -149,6 +156,29 @@ fn every_axis_by_itself_is_another_way() {
     unlike.dialect = Dialect::LinuxCnc;
     let verdict = judged(&text.replace("G69 G15 G50\n", ""), &unlike);
     assert!(verdict.is_harmless(), "{verdict:?}");
+}
+
+/// A spindle nose just above the tool ball that reaches over to the post when it comes below its top.
+#[test]
+fn what_stands_behind_the_balls_touches() {
+    let machine = |direction: &str| {
+        let source = format!(
+            "name = \"Wide\"\ntopology = \"wCBXFZYSt\"\n[controller]\ndialect = \"fanuc\"\n[clearance.tool]\ndiameter_mm = 9.0\nlength_mm = 10.0\n\
+             [clearance.spindle_nose]\ndiameter_mm = 320.0\nlength_mm = 50.0\n[clearance.support]\ndiameter_mm = 25.0\nlength_mm = 70.0\ndirection = \"{direction}\"\n{AXES}"
+        );
+        Bodies::of(&Machine::parse(&source, "m.toml".as_ref()).unwrap())
+    };
+    for (direction, from, to, touches) in [
+        ("-Z", "M30", "M30", false),
+        ("-Z", "Z-5.000 F500.", "Z-15.000 F500.", true),
+        // The post lies: its side is 12.5 mm above the ball.
+        ("-Y", "M30", "M30", true),
+        ("+Z", "M30", "M30", true),
+    ] {
+        let setting = Setting { bodies: machine(direction), ..setting() };
+        let verdict = judged(&RIGHT.replacen(from, to, 1), &setting);
+        assert_eq!(found(&verdict, From::Anywhere, Harm::Touching), touches, "{verdict:?}");
+    }
 }
 
 #[test]

@@ -7,6 +7,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 mod arcs;
+mod bodies;
 mod control;
 mod drawn;
 mod drawn_tests;

@@ -3,6 +3,7 @@
 use ballbar::machine::{Axis, Dialect, Machine};
 use ballbar::plan::Test;
 
+use crate::bodies::Bodies;
 use crate::path::Point;
 
 /// Everything that is not in the program.
@@ -17,6 +18,8 @@ pub(crate) struct Setting {
     pub(crate) length_mm: f64,
     pub(crate) range_mm: f64,
     pub(crate) feed_mm_s: f64,
+    /// What the machine file says of what stands behind the balls.
+    pub(crate) bodies: Option<Bodies>,
 }
 
 impl Setting {
@@ -33,6 +36,7 @@ impl Setting {
             length_mm: named.bar_length_mm,
             range_mm: test.ball_bar().range_mm,
             feed_mm_s: test.plan().map_or(0.0, ballbar::plan::PathPlan::fastest_mm_s),
+            bodies: Bodies::of(machine),
         }
     }
 

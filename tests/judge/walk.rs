@@ -1,5 +1,6 @@
 //! Follows the bar through what a program does: who has it, how long it would have to be, and what comes to harm.
 
+use crate::bodies::Near;
 use crate::control::{Event, Move};
 use crate::path::{Point, distance_mm, dog_leg, dot, minus, points_of, reach_mm};
 use crate::setting::Setting;
@@ -28,6 +29,8 @@ pub(crate) enum Harm {
     /// A positioning takes the bar along that it was engaged with.
     Dragged,
     Travel,
+    /// Tool or spindle nose against the support of the workpiece ball.
+    Touching,
     Spindle,
     /// Faster than the test with the bar between the balls: the bar may bear it. Judged apart.
     TooFast,
@@ -130,16 +133,20 @@ impl<'a> Walk<'a> {
         };
         self.travel(motion, &corners[1..]);
         let centre_mm = self.setting.centre_mm;
+        // Where the tool could come to, it can go back from: it came along +Z.
+        let back = motion.rapid
+            && motion.from[2].of_start
+            && to[2] > from[2]
+            && motion.from[..2] == motion.to[..2]
+            && self.bar == Bar::Off;
+        if !back {
+            self.bodies(motion, &corners, [from, to]);
+        }
         let (mut least_mm, most_mm) = reach_mm(&corners, centre_mm);
         if motion.rapid {
             let bends = self.setting.dialect == ballbar::machine::Dialect::Fanuc;
             let straight_mm = reach_mm(&[from, to], centre_mm).0;
             least_mm = if bends { least_mm.min(straight_mm) } else { straight_mm };
-            // Where the tool could come to, it can go back from: it came along +Z.
-            let back = motion.from[2].of_start
-                && to[2] > from[2]
-                && motion.from[..2] == motion.to[..2]
-                && self.bar == Bar::Off;
             if !back {
                 self.positions(motion.line, least_mm);
             }
@@ -156,6 +163,22 @@ impl<'a> Walk<'a> {
                     self.harm(Harm::Travel, motion.line, corner[axis]);
                 }
             }
+        }
+    }
+
+    /// What stands behind the balls; a positioning also on a straight line.
+    fn bodies(&mut self, motion: &Move, corners: &[Point], straight: [Point; 2]) {
+        let Some(bodies) = &self.setting.bodies else { return };
+        let centre_mm = self.setting.centre_mm;
+        let mut near = bodies.along(corners, centre_mm);
+        if motion.rapid && self.setting.dialect == ballbar::machine::Dialect::LinuxCnc {
+            near = bodies.along(&straight, centre_mm);
+        } else if motion.rapid {
+            near = near.max(bodies.along(&straight, centre_mm));
+        }
+        self.doubtful |= near == Near::Doubtful;
+        if near == Near::Overlap {
+            self.harm(Harm::Touching, motion.line, distance_mm(straight[1], centre_mm));
         }
     }
 

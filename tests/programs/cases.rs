@@ -226,6 +226,8 @@ pub(crate) const CASES: &[Case] = &[
     case("compensation or not", Replace(" G40 G49", ""), E, Line("G00 G53", 0), "before the program has stated G40, G49", Passes),
     case("work offset or not", Replace("N20 G54\n", ""), E, Line("G00 G53", 0), "before the program has stated G54", Passes),
     case("rotation or not", Replace("G69 G15 G50\n", ""), W, Line("G00 G53", 0), "before the program has stated G69, G15, G50", Passes),
+    case("the spindle nose beside the post", Insert("N40 G00", "G01 X171.500 Y-5.000 Z-150.000 F500.\nX60.000\nX171.500"), E, Line("X60.000", 0), "spindle nose and support touch on COMPARE at the ball vector (72.", Passes),
+    case("the spindle nose beside the post, at rapid", Insert("N40 G00", "G00 X171.500 Y-5.000 Z-150.000\nX30.000 Y-5.000\nX171.500"), E, Line("X30.000", 0), "spindle nose and support touch on COMPARE at the ball vector (", Passes),
 ];
 
 const LONG: &str = concat!(

@@ -53,7 +53,12 @@ fn rs274_drives_the_planes_that_were_planned() {
                         let test = planar(coincidence, &plan);
                         let path = Path::plan(&test, &machine, 0).unwrap();
                         let (program, _, text) = written_and_read(&machine, &test);
-                        assert_eq!(errors(&machine, &test, &text), [""; 0], "{plan}\n{text}");
+                        let told = errors(&machine, &test, &text);
+                        // A whole circle in a vertical plane leads tool and spindle nose to the post.
+                        let bodies = |told: &&String| !told.contains("and support touch");
+                        assert_eq!(told.iter().find(bodies), None, "{plan}\n{text}");
+                        let least_mm = path.least_clearance(&machine).unwrap().clearance_mm;
+                        assert_eq!(told.is_empty(), least_mm > 0.0, "{plan}\n{text}");
                         let text = if spoken == "fanuc" { rs274::translated(&text) } else { text };
                         let canon = rs274::interpret(&text).unwrap_or_else(|told| panic!("{told}"));
                         assert!(canon.ended, "the end of the program");

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::bodies::Bodies;
 use super::findings::Findings;
 use super::sphere::Sphere;
 use crate::error::Error;
@@ -35,6 +36,7 @@ pub(super) fn check(
         listing,
         machine,
         sphere,
+        bodies: Bodies::of(machine, sphere.centre_mm),
         findings,
         bar: Bar::Never,
         stopped: false,
@@ -68,6 +70,8 @@ pub(super) struct Walk<'a, 'b> {
     pub(super) listing: &'a Listing<'b>,
     pub(super) machine: &'a Machine,
     pub(super) sphere: &'a Sphere,
+    /// What stands behind the balls, where the machine file says it.
+    pub(super) bodies: Option<Bodies>,
     pub(super) findings: &'a mut Findings,
     pub(super) bar: Bar,
     /// The operator could fit the bar, or take it off.
@@ -128,6 +132,7 @@ impl Walk<'_, '_> {
             Action::End => {}
         }
         if let Action::Move(motion) = &step.action {
+            self.bodies(step, motion);
             let chord = motion.end_mm - motion.start_mm;
             for (moved, along) in self.moved.iter_mut().zip(chord.iter()) {
                 *moved |= along.abs() > 1e-9;
@@ -205,6 +210,23 @@ impl Walk<'_, '_> {
         } else {
             self.leaves(step, end_mm);
             self.before = None;
+        }
+    }
+
+    /// What stands behind the balls, wherever the bar is.
+    fn bodies(&mut self, step: &Step, motion: &Move) {
+        let Some(bodies) = &mut self.bodies else { return };
+        let touch = bodies.follow(motion, self.machine);
+        let used_up = bodies.is_used_up();
+        if let Some(touch) = touch.filter(|_| !self.gap) {
+            let section = self.listing.labels.get(step.label).map_or("", String::as_str);
+            let what = touch.told(section);
+            let hint = "check the coordinates of this block, and `[clearance]` in the machine file";
+            self.error(step.line, "clearance", what, hint);
+        } else if used_up {
+            self.bodies = None;
+            let what = "tool and support run beside each other for too long: from here on nobody looked whether they touch";
+            self.error(step.line, "clearance", what.to_owned(), "divide the program");
         }
     }
 

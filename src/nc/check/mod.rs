@@ -15,12 +15,14 @@
 //! | what is in force before the first motion | the dialect |
 //! | travel | the work offset, from a test file; without one only the extent is held against the travel |
 //! | reach, engagement, release, bar taken off, second start, sphere, sag, corners, stops inside arcs | the mounting and the bar of a test file |
+//! | tool and spindle nose against the support of the workpiece ball | the same, and `[clearance]` of the machine file |
 //!
-//! **Not checked:** collisions with anything but the bar, compensation that is switched on in the
+//! **Not checked:** workpiece, fixture and machine beside these bodies, compensation that is switched on in the
 //! control, what the operator does at a stop.
 
 mod arcs;
 mod bar;
+mod bodies;
 mod findings;
 mod path;
 mod power_on;

@@ -91,6 +91,12 @@ impl Sphere {
 
     /// Least distance when every axis goes at its own rapid traverse and stops when it is there, mm.
     pub(super) fn dog_leg_mm(&self, motion: &Move, machine: &Machine) -> Option<f64> {
+        let pieces = Self::dog_leg(motion, machine);
+        pieces.iter().map(|piece| self.distances_mm(piece)[0]).min_by(f64::total_cmp)
+    }
+
+    /// The straight pieces on which every axis goes at its own rapid traverse and stops when it is there.
+    pub(super) fn dog_leg(motion: &Move, machine: &Machine) -> Vec<Move> {
         let chord = motion.end_mm - motion.start_mm;
         let speeds = Axis::ALL.map(|axis| machine.slide(axis).rapid_mm_s);
         let needs = |k: usize| chord[k].abs() / speeds[k];
@@ -103,15 +109,14 @@ impl Sphere {
             })
         };
         let mut from = motion.start_mm;
-        let mut nearest_mm = f64::INFINITY;
+        let mut pieces = Vec::with_capacity(3);
         for time_s in times {
             let to = at(time_s);
             if (to - from).norm() > 1e-9 {
-                let piece = Move { start_mm: from, end_mm: to, path: Path::Line, ..*motion };
-                nearest_mm = nearest_mm.min(self.distances_mm(&piece)[0]);
+                pieces.push(Move { start_mm: from, end_mm: to, path: Path::Line, ..*motion });
             }
             from = to;
         }
-        nearest_mm.is_finite().then_some(nearest_mm)
+        pieces
     }
 }

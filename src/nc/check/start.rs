@@ -51,7 +51,7 @@ impl Walk<'_, '_> {
 
     /// From where one of the first positionings passes within the reach of the bar, and what there is to tell.
     fn nearest(
-        &self,
+        &mut self,
         known_mm: [Option<f64>; 3],
         opening: &Opening,
         first: &Move,
@@ -65,9 +65,18 @@ impl Walk<'_, '_> {
             let end_mm = Vector3::from_fn(|axis, _| opening.to_mm[axis].unwrap_or(start_mm[axis]));
             let goes_back = along_z && end_mm.z >= start_mm.z;
             let motion = Move { rapid: true, path: Path::Line, start_mm, end_mm, ..*first };
-            let told = (!goes_back).then(|| self.rapid_in_reach(&motion)).flatten();
+            if goes_back {
+                return None;
+            }
+            let told = self.in_the_way(&motion);
             told.map(|told| (start_mm, told))
         })
+    }
+
+    /// What stands in the way of a positioning: the bar, or the post.
+    fn in_the_way(&mut self, motion: &Move) -> Option<String> {
+        let reached = self.rapid_in_reach(motion);
+        reached.or_else(|| Some(self.bodies.as_mut()?.on(motion)?.told("")))
     }
 
     /// Where an axis may stand, machine coordinates in mm: where it is known to stand, or at the workpiece ball, at the
@@ -100,7 +109,7 @@ impl Walk<'_, '_> {
                 "started again from its end, the program positions with the bar fitted".to_owned();
             let hint = "write M00 after the release, so that the bar is taken off, and Z away from the ball before M30";
             self.error(opening.line.number, "second-start", what, hint);
-        } else if let Some(told) = self.rapid_in_reach(&motion) {
+        } else if let Some(told) = self.in_the_way(&motion) {
             let what = format!("started again from its end, {told}");
             let hint =
                 "retract Z before M30, and write G00 G53 Z.. before X and Y at the beginning";
