@@ -7,8 +7,11 @@ use ballbar::machine::{Cylinder, Machine};
 
 use crate::path::{Point, between, distance_mm};
 
-/// A path is looked at in steps of this length, mm.
+/// A path is looked at in steps of this length, mm, and where the bodies are as near in finer ones.
 const LOOK_MM: f64 = 1.0;
+const FINE_MM: f64 = 0.05;
+/// Bodies that overlap by less, or are as near, may be judged either way, mm.
+const DOUBT_MM: f64 = 0.15;
 
 /// Upright, between two heights above the tool ball.
 #[derive(Debug, Clone, Copy)]
@@ -62,23 +65,33 @@ impl Bodies {
     pub(crate) fn along(&self, corners: &[Point], centre_mm: Point) -> Near {
         let mut worst = Near::Apart;
         for pair in corners.windows(2) {
-            let looks = (distance_mm(pair[0], pair[1]) / LOOK_MM).ceil().max(1.0) as usize;
-            for look in 0..=looks {
-                let at = between(pair[0], pair[1], look as f64 / looks as f64);
-                worst = worst.max(self.at(std::array::from_fn(|k| at[k] - centre_mm[k])));
+            let length_mm = distance_mm(pair[0], pair[1]);
+            let from_ball = |along_mm: f64| -> Point {
+                let share = if length_mm > 0.0 { (along_mm / length_mm).min(1.0) } else { 0.0 };
+                let at = between(pair[0], pair[1], share);
+                std::array::from_fn(|k| at[k] - centre_mm[k])
+            };
+            for look in 0..=(length_mm / LOOK_MM) as usize {
+                let along_mm = look as f64 * LOOK_MM;
+                if !self.overlap(from_ball(along_mm), LOOK_MM) {
+                    continue;
+                }
+                for fine in 0..=(LOOK_MM / FINE_MM) as usize {
+                    let ball = from_ball(along_mm + fine as f64 * FINE_MM);
+                    worst = worst.max(match () {
+                        () if self.overlap(ball, -DOUBT_MM) => Near::Overlap,
+                        () if self.overlap(ball, DOUBT_MM) => Near::Doubtful,
+                        () => Near::Apart,
+                    });
+                }
             }
         }
         worst
     }
 
-    /// With the tool ball there, from the workpiece ball.
-    fn at(&self, ball: Point) -> Near {
-        let any = |wider_mm| self.upright.iter().any(|part| self.overlaps(part, ball, wider_mm));
-        match () {
-            () if any(-0.2) => Near::Overlap,
-            () if any(LOOK_MM) => Near::Doubtful,
-            () => Near::Apart,
-        }
+    /// Whether any two overlap with the tool ball there, from the workpiece ball, and the support wider by this.
+    fn overlap(&self, ball: Point, wider_mm: f64) -> bool {
+        self.upright.iter().any(|part| self.overlaps(part, ball, wider_mm))
     }
 
     /// With the support wider and longer by this everywhere.
