@@ -3,6 +3,7 @@
 //! One type serves every room: a metrologist reads the same three parts whether a machine file has a
 //! wrong key, a program turns back inside an arc, or a log belongs to another program.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -80,8 +81,10 @@ impl Place {
     }
 }
 
-/// A minified or binary line is cut here, so that a message stays a message.
+/// A minified or binary line is cut here, and a word, so that a message stays a message.
 const LONGEST: usize = 160;
+/// What is shown of a longer word, characters.
+const SHOWN: usize = 60;
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -150,15 +153,48 @@ impl Error {
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.what)?;
+        write!(f, "{}", brief(&self.what))?;
         if let Some(place) = &self.place {
             write!(f, "\n{place}")?;
         }
         if let Some(hint) = &self.hint {
-            write!(f, "\nhint: {hint}")?;
+            write!(f, "\nhint: {}", brief(hint))?;
         }
         Ok(())
     }
 }
 
+/// A text in which words that nobody wrote by hand are cut: a key of 100 KB is told by its beginning.
+fn brief(text: &str) -> Cow<'_, str> {
+    let is_long = |word: &str| word.len() > LONGEST && word.chars().count() > LONGEST;
+    if !text.split_whitespace().any(is_long) {
+        return Cow::Borrowed(text);
+    }
+    let cut = |word: &str| {
+        if !is_long(word.trim_end()) {
+            return word.to_owned();
+        }
+        let (shown, count): (String, _) =
+            (word.chars().take(SHOWN).collect(), word.chars().count());
+        format!("{shown}... ({count} characters) ")
+    };
+    Cow::Owned(text.split_inclusive(char::is_whitespace).map(cut).collect())
+}
+
 impl std::error::Error for Error {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_word_of_a_thousand_letters_is_told_by_its_beginning() {
+        let error =
+            Error::input(format!("unknown term `{}` on X", "Q".repeat(1000))).hint("write one");
+        let told = error.to_string();
+        assert!(told.starts_with("unknown term `QQQ") && told.len() < 200, "{told}");
+        assert!(told.contains("... (1003 characters) on X\nhint: write one"), "{told}");
+        let usual = "a sentence with a path /home/metrology/machines/five axes/HU40-T.toml";
+        assert_eq!(Error::input(usual).to_string(), usual);
+    }
+}
