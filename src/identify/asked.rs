@@ -17,10 +17,9 @@
 //! A range is linear about where its two ends are. `noise² = a' C a` with the covariance `C` by the noise;
 //! `all² = noise² + |a' L|²`, where column `k` of `L` is what one plausible deviation of fault `k` does to the estimates.
 
-use nalgebra::Vector3;
-
-use crate::machine::{Axis, Mounting, Pose};
-use crate::model::{Component, LocalFrame, Model, Motion, ParameterId};
+use super::lines::{Lines, Row};
+use crate::machine::Axis;
+use crate::model::{Component, LocalFrame, Model, ParameterId};
 use crate::solve::{Matrix, dot};
 
 /// What is asked.
@@ -72,10 +71,6 @@ pub enum Suspect {
     Control,
 }
 
-/// Points of a line: errors are cubics, and a range is looked for between the points.
-const POINTS: i32 = 24;
-/// A parameter is moved this far either way to see what it does, mm and rad.
-const ASIDE: f64 = 1e-4;
 /// Faults that make less than this share of what is left open are not told.
 const SHARE: f64 = 0.1;
 
@@ -104,42 +99,34 @@ pub struct Known<'a> {
 
 /// All that can be asked of what moved, in the order of [`Asked`].
 pub fn answers(model: &Model, frame: &LocalFrame, of: &Known) -> Vec<Answer> {
-    let lines = Lines { model, frame, values: of.values };
     let axes: Vec<Axis> =
         Axis::ALL.into_iter().filter(|axis| frame.reach_mm[axis.index()] > 0.0).collect();
     let others = |axis: Axis| axes.iter().copied().filter(move |other| *other != axis);
-    let mut asked: Vec<(Asked, Row)> = Vec::new();
-    for &axis in &axes {
-        asked.push((Asked::Scale(axis), lines.slope(axis, axis)));
-    }
+    let mut asked: Vec<Asked> = axes.iter().map(|axis| Asked::Scale(*axis)).collect();
     for (k, &first) in axes.iter().enumerate() {
-        for &second in &axes[k + 1..] {
-            let sum = lines.slope(first, second).plus(&lines.slope(second, first), 1.0);
-            asked.push((Asked::Squareness(first, second), sum));
-        }
+        asked.extend(axes[k + 1..].iter().map(|second| Asked::Squareness(first, *second)));
+    }
+    asked.extend(axes.iter().map(|axis| Asked::Reversal(*axis)));
+    for &axis in &axes {
+        asked.extend(others(axis).map(|other| Asked::LateralPlay(axis, other)));
+    }
+    asked.extend(axes.iter().map(|axis| Asked::Positioning(*axis)));
+    for &axis in &axes {
+        asked.extend(others(axis).map(|other| Asked::Straightness(axis, other)));
     }
     for &axis in &axes {
-        asked.push((Asked::Reversal(axis), lines.step(axis, axis)));
+        asked.extend(Axis::ALL.map(|about| Asked::Angle(axis, about)));
     }
     for &axis in &axes {
-        asked.extend(others(axis).map(|o| (Asked::LateralPlay(axis, o), lines.step(axis, o))));
+        asked.extend(Axis::ALL.map(|about| Asked::AngularReversal(axis, about)));
     }
-    for &axis in &axes {
-        asked.push((Asked::Positioning(axis), lines.range(axis, axis)));
-    }
-    for &axis in &axes {
-        let straight = |o| (Asked::Straightness(axis, o), lines.range(axis, o));
-        asked.extend(others(axis).map(straight));
-    }
-    for &axis in &axes {
-        let angle = |o| (Asked::Angle(axis, o), lines.angle(axis, o));
-        asked.extend(Axis::ALL.map(angle));
-    }
-    for &axis in &axes {
-        let step = |o| (Asked::AngularReversal(axis, o), lines.angular_step(axis, o));
-        asked.extend(Axis::ALL.map(step));
-    }
-    asked.into_iter().map(|(asked, row)| answer(asked, &row, model, of)).collect()
+    ask(model, frame, of, &asked)
+}
+
+/// Answers, in the order in which they are asked.
+fn ask(model: &Model, frame: &LocalFrame, of: &Known, asked: &[Asked]) -> Vec<Answer> {
+    let lines = Lines { model, frame, values: of.values };
+    asked.iter().map(|asked| answer(*asked, &asked.row(&lines), model, of)).collect()
 }
 
 fn answer(asked: Asked, row: &Row, model: &Model, of: &Known) -> Answer {
@@ -162,175 +149,22 @@ fn answer(asked: Asked, row: &Row, model: &Model, of: &Known) -> Answer {
     Answer { asked, value: row.all, noise, all, alike, in_common }
 }
 
-/// Something that is asked, or a displacement: what one of each parameter makes of it, and what all of them do.
-#[derive(Debug, Clone)]
-struct Row {
-    by: Vec<f64>,
-    all: f64,
-}
-
-impl Row {
-    fn zero(count: usize) -> Self {
-        Self { by: vec![0.0; count], all: 0.0 }
-    }
-
-    /// With so many times another.
-    fn plus(mut self, of: &Self, factor: f64) -> Self {
-        self.by.iter_mut().zip(&of.by).for_each(|(to, of)| *to += factor * of);
-        self.all += factor * of.all;
-        self
-    }
-
-    fn times(mut self, factor: f64) -> Self {
-        self.by.iter_mut().for_each(|of| *of *= factor);
-        self.all *= factor;
-        self
-    }
-}
-
-/// What the parameters do along the lines of a test.
-struct Lines<'a> {
-    model: &'a Model<'a>,
-    frame: &'a LocalFrame,
-    values: &'a [f64],
-}
-
-impl Lines<'_> {
-    /// At `c` but for one slide, `u` of its range away, which has come there in a sense; the other senses are 0.
-    fn pose(&self, axis: Axis, u: f64, sense: f64) -> Pose {
-        let k = axis.index();
-        let mut position_mm = self.frame.middle_mm;
-        position_mm[k] += u * self.frame.reach_mm[k];
-        Pose { position_mm, sense: sense * Vector3::ith(k, 1.0) }
-    }
-
-    /// Displacement at a pose. Effects that are held beside the parameters displace it whatever they are, and do not
-    /// count.
-    fn displaced(&self, pose: &Pose, along: Axis) -> Row {
-        let direction = Vector3::ith(along.index(), 1.0);
-        let at = self.model.situation_along(pose, &Motion::REST, 0, direction);
-        let mut by = vec![0.0; self.values.len()];
-        self.model.row(&at, &mut by);
-        let nothing = vec![0.0; self.values.len()];
-        let all = self.ball_mm(self.values, pose, along) - self.ball_mm(&nothing, pose, along);
-        Row { by, all }
-    }
-
-    /// Where the tool is through the exact chain, seen from the point of the workpiece that it touches there, mm.
-    fn ball_mm(&self, values: &[f64], pose: &Pose, along: Axis) -> f64 {
-        let touching = Mounting { coincidence_mm: pose.position_mm, ..self.model.mountings()[0] };
-        let errors = self.model.errors(values, pose, &Motion::REST, 0);
-        let machine = self.model.machine();
-        machine.ball_vector_mm(&touching, &pose.position_mm, &errors)[along.index()]
-    }
-
-    /// Its mean over both senses at every point of the line of an axis.
-    fn line(&self, axis: Axis, along: Axis) -> Vec<(f64, Row)> {
-        let at = |u: f64| {
-            let [negative, positive] =
-                [-1.0, 1.0].map(|sense| self.displaced(&self.pose(axis, u, sense), along));
-            negative.plus(&positive, 1.0).times(0.5)
-        };
-        points().map(|u| (u, at(u))).collect()
-    }
-
-    /// Slope of the least-squares line: `3 / (2 r) ∫ e u du`.
-    fn slope(&self, axis: Axis, along: Axis) -> Row {
-        let reach_mm = self.frame.reach_mm[axis.index()];
-        slope(&self.line(axis, along)).times(1.0 / reach_mm)
-    }
-
-    /// Its derivatives are those at the parameters as they are: a rotation that no length shows turns a play of 60 um.
-    fn step(&self, axis: Axis, along: Axis) -> Row {
-        let at =
-            |values: &[f64], sense: f64| self.ball_mm(values, &self.pose(axis, 0.0, sense), along);
-        let step = |values: &[f64]| at(values, 1.0) - at(values, -1.0);
-        let mut beside = self.values.to_vec();
-        let by = (0..beside.len()).map(|k| {
-            let [less, more] = [-ASIDE, ASIDE].map(|aside| {
-                beside[k] = self.values[k] + aside;
-                step(&beside)
-            });
-            beside[k] = self.values[k];
-            (more - less) / (2.0 * ASIDE)
-        });
-        let by = by.collect();
-        Row { by, all: step(self.values) - step(&vec![0.0; self.values.len()]) }
-    }
-
-    /// What is farthest above less what is farthest below the least-squares line.
-    fn range(&self, axis: Axis, along: Axis) -> Row {
-        between_ends(self.line(axis, along), true)
-    }
-
-    fn angle(&self, axis: Axis, about: Axis) -> Row {
-        let at = |u: f64| self.turned(&self.pose(axis, u, 0.0), axis, about);
-        between_ends(points().map(|u| (u, at(u))).collect(), false)
-    }
-
-    fn angular_step(&self, axis: Axis, about: Axis) -> Row {
-        let at = |sense: f64| self.turned(&self.pose(axis, 0.0, sense), axis, about);
-        at(1.0).plus(&at(-1.0), -1.0)
-    }
-
-    /// Rotation of a slide about a direction at a pose: a sum over the parameters.
-    fn turned(&self, pose: &Pose, axis: Axis, about: Axis) -> Row {
-        let count = self.values.len();
-        let mut unit = vec![0.0; count];
-        let turned = |values: &[f64]| {
-            let errors = self.model.errors(values, pose, &Motion::REST, 0);
-            errors.slides[axis.index()].rotation_rad[about.index()]
-        };
-        let held = turned(&unit);
-        let of = |k: usize| {
-            unit[k] = 1.0;
-            let change = turned(&unit) - held;
-            unit[k] = 0.0;
-            change
-        };
-        let by: Vec<f64> = (0..count).map(of).collect();
-        Row { all: dot(&by, self.values), by }
-    }
-}
-
-/// Points of a line from one end to the other.
-fn points() -> impl Iterator<Item = f64> {
-    (-POINTS..=POINTS).map(|k| f64::from(k) / f64::from(POINTS))
-}
-
-/// `3/2 ∫ e u du` over a line by Simpson's rule, which is exact for what is a cubic in `u` with an error of the
-/// fourth power of the distance of the points else.
-fn slope(line: &[(f64, Row)]) -> Row {
-    let count = line.first().map_or(0, |(_, e)| e.by.len());
-    let step = 1.0 / f64::from(POINTS);
-    let mut sum = Row::zero(count);
-    for (k, (u, e)) in line.iter().enumerate() {
-        let weight = match k {
-            0 => 1.0,
-            k if k + 1 == line.len() => 1.0,
-            k if k % 2 == 1 => 4.0,
-            _ => 2.0,
-        };
-        sum = sum.plus(e, 1.5 * weight * step / 3.0 * u);
-    }
-    sum
-}
-
-/// Difference of the two points where a curve is farthest above and below; about its least-squares line if it is to be
-/// `straightened`.
-fn between_ends(line: Vec<(f64, Row)>, straightened: bool) -> Row {
-    let count = line.first().map_or(0, |(_, e)| e.by.len());
-    let slope = if straightened { slope(&line) } else { Row::zero(count) };
-    let ends: Vec<Row> = line.into_iter().map(|(u, e)| e.plus(&slope, -u)).collect();
-    let highest = ends.iter().max_by(|a, b| a.all.total_cmp(&b.all));
-    let lowest = ends.iter().min_by(|a, b| a.all.total_cmp(&b.all));
-    match (highest, lowest) {
-        (Some(highest), Some(lowest)) => highest.clone().plus(lowest, -1.0),
-        _ => Row::zero(count),
-    }
-}
-
 impl Asked {
+    fn row(self, lines: &Lines) -> Row {
+        match self {
+            Self::Scale(axis) => lines.slope(axis, axis),
+            Self::Squareness(first, second) => {
+                lines.slope(first, second).plus(&lines.slope(second, first), 1.0)
+            }
+            Self::Reversal(axis) => lines.step(axis, axis),
+            Self::LateralPlay(axis, other) => lines.step(axis, other),
+            Self::Positioning(axis) => lines.range(axis, axis),
+            Self::Straightness(axis, other) => lines.range(axis, other),
+            Self::Angle(axis, about) => lines.angle(axis, about),
+            Self::AngularReversal(axis, about) => lines.angular_step(axis, about),
+        }
+    }
+
     /// What it is called, such as `squareness XY`.
     pub fn name(self) -> String {
         match self {

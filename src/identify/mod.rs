@@ -29,6 +29,7 @@ mod follows;
 mod foresight;
 mod input;
 mod linearised;
+mod lines;
 mod measured;
 mod observability;
 mod place;
