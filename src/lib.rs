@@ -25,6 +25,7 @@
 //! | [`circular`] | circular tests as ISO 230-4 has them: what a path over an arc is by itself |
 //! | [`residual`] | what a fit leaves: samples, noise, what an effect explains beside others |
 //! | [`diagnose`] | what the model gets wrong, the cause, the gain |
+//! | [`features`] | what is wrong in the plane of a circular test, and by how much its deviation falls without it |
 //! | [`paper`] | the paper's tables computed again |
 //! | [`design`] | what a test will see before it is run, and which test sees most |
 //! | [`start`] | a machine file and a test file to begin with |
@@ -64,6 +65,7 @@ pub mod cli;
 pub mod design;
 pub mod diagnose;
 pub mod error;
+pub mod features;
 pub mod identify;
 mod input;
 pub mod log;

@@ -77,7 +77,7 @@ impl Circle {
     }
 
     /// The coordinate plane that it is the largest circle of, and whether what is forward on it is CCW there.
-    fn plane(&self) -> Option<(Plane, bool)> {
+    pub fn plane(&self) -> Option<(Plane, bool)> {
         match self {
             Self::Equator => Some((Plane::Xy, true)),
             // From the azimuth to the pole: X to Z is CW in ZX, Y to Z is CCW in YZ.

@@ -3,10 +3,10 @@
 use std::f64::consts::TAU;
 
 use super::draw;
-use super::found::{Found, Way};
+use super::found::{Found, Way, WayPath};
 use super::passes::{Filter, Pass};
 use super::thresholds::{DRAWS, SAME_FEED, SAME_SPAN_RAD};
-use super::values::{OF_BOTH, OF_WAY, Path, row, values_mm};
+use super::values::{OF_BOTH, OF_WAY, Path, deviation_mm, row, values_mm};
 use crate::align::Circle;
 use crate::error::Result;
 use crate::identify::{Identification, Record};
@@ -41,6 +41,28 @@ pub struct CircularTest {
     pub hysteresis: Option<Found>,
 }
 
+impl CircularTest {
+    /// G(b) of both ways, of one way G, with other readings at the same angles, mm.
+    ///
+    /// # Errors
+    /// When readings are not finite numbers.
+    pub fn deviation_with_mm(&self, read_mm: &[Vec<f64>]) -> Result<f64> {
+        let paths: Vec<Path> = self
+            .ways
+            .iter()
+            .zip(read_mm)
+            .map(|(way, read_mm)| Path { angle_rad: &way.path.angle_rad, read_mm })
+            .collect();
+        deviation_mm(&paths, self.radius_mm)
+    }
+
+    /// G(b) of both ways, of one way G, as it was read.
+    pub fn deviation(&self) -> Option<Found> {
+        let of_way = || self.ways.first().map(|way| way.circular);
+        self.bidirectional.map(|[zone, _]| zone).or_else(of_way)
+    }
+}
+
 /// An arc without values.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Untold {
@@ -58,18 +80,18 @@ pub struct Untold {
 pub fn of(identification: &Identification) -> Result<(Vec<CircularTest>, Vec<Untold>)> {
     let mut passes: Vec<Pass> = Vec::new();
     let mut untold = Vec::new();
-    for run in &identification.runs {
-        let mut on: Vec<Vec<&Record>> = vec![Vec::new(); run.alignment.sections.len()];
-        for record in &run.records {
+    for (number, run) in identification.runs.iter().enumerate() {
+        let mut on: Vec<Vec<(usize, &Record)>> = vec![Vec::new(); run.alignment.sections.len()];
+        for (number, record) in run.records.iter().enumerate() {
             if let Some(on) = record.section().and_then(|section| on.get_mut(section)) {
-                on.push(record);
+                on.push((number, record));
             }
         }
         for (index, section) in run.alignment.sections.iter().enumerate() {
             if section.transit {
                 continue;
             }
-            match Pass::of(run, index, &on[index]) {
+            match Pass::of((number, run), index, &on[index]) {
                 Ok(pass) => passes.push(pass),
                 Err(why) => untold.push(Untold {
                     arc: format!("{} of {}", section.name, run.name),
@@ -140,6 +162,12 @@ fn test(ways: &[&Pass], identification: &Identification) -> Result<CircularTest>
         circular: found[0],
         circular_by_squares: found[1],
         radial: whole.then(|| [found[2], found[3]]),
+        path: WayPath {
+            run: way.run_index,
+            records: way.records.clone(),
+            angle_rad: way.angle_rad.clone(),
+            read_mm: way.read_mm.clone(),
+        },
     };
     let of_both = found.get(2 * OF_WAY..).filter(|both| both.len() == OF_BOTH);
     Ok(CircularTest {

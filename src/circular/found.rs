@@ -34,4 +34,19 @@ pub struct Way {
     pub circular_by_squares: Found,
     /// F max and F min; `None` on a part of a circle.
     pub radial: Option<[Found; 2]>,
+    /// The readings that the values are of.
+    pub path: WayPath,
+}
+
+/// The readings of a way, by angle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WayPath {
+    /// Index of the run among those that were identified together.
+    pub run: usize,
+    /// Which of its records they are.
+    pub records: Vec<usize>,
+    /// Where they lie on the circle, rad.
+    pub angle_rad: Vec<f64>,
+    /// What was read, mm.
+    pub read_mm: Vec<f64>,
 }

@@ -31,5 +31,5 @@ mod thresholds;
 mod values;
 
 pub use driven::{CircularTest, Untold, of};
-pub use found::{Found, Way};
+pub use found::{Found, Way, WayPath};
 pub use passes::Filter;

@@ -19,6 +19,8 @@ pub struct Filter {
 #[derive(Debug, Clone)]
 pub(super) struct Pass {
     pub(super) run: String,
+    /// Index of the run.
+    pub(super) run_index: usize,
     pub(super) name: String,
     pub(super) mounting: usize,
     pub(super) circle: Circle,
@@ -32,6 +34,8 @@ pub(super) struct Pass {
     pub(super) sweep_rad: f64,
     /// Middle of the data arc, rad.
     pub(super) middle_rad: f64,
+    /// Which records of the run the readings are.
+    pub(super) records: Vec<usize>,
     /// Angle on the circle of each reading, rad, from 0 to below a turn.
     pub(super) angle_rad: Vec<f64>,
     /// What was read, mm.
@@ -58,14 +62,15 @@ impl Pass {
 
     /// A section of a run, with the readings on it; in words why it has no circular deviation.
     pub(super) fn of(
-        run: &IdentifiedRun,
+        (run_index, run): (usize, &IdentifiedRun),
         index: usize,
-        records: &[&Record],
+        records: &[(usize, &Record)],
     ) -> Result<Self, &'static str> {
         let alignment = &run.alignment;
         let section = &alignment.sections[index];
         let mut pass = Self {
             run: run.name.clone(),
+            run_index,
             name: section.name.clone(),
             mounting: run.mounting,
             circle: section.circle,
@@ -76,6 +81,7 @@ impl Pass {
             start_rad: 0.0,
             sweep_rad: 0.0,
             middle_rad: 0.0,
+            records: Vec::new(),
             angle_rad: Vec::new(),
             read_mm: Vec::new(),
             computed_mm: Vec::new(),
@@ -87,7 +93,7 @@ impl Pass {
             },
         };
         pass.driven(run, section)?;
-        for record in records {
+        for (number, record) in records {
             let sample = &record.sample;
             let unknown = record.apart == Some(Apart::TimeUnknown);
             if !section.is_data(sample.program_s) || unknown {
@@ -98,6 +104,7 @@ impl Pass {
                 continue;
             }
             let ball_mm = sample.pose.position_mm - alignment.coincidence_mm();
+            pass.records.push(*number);
             pass.angle_rad.push(section.circle.angle_rad(&ball_mm));
             pass.read_mm.push(sample.deviation_mm);
             pass.computed_mm.push(record.computed_mm);

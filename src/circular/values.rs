@@ -18,32 +18,59 @@ pub(super) const OF_WAY: usize = 4;
 /// Numbers of both ways: G(b), the same by least squares, D, H.
 pub(super) const OF_BOTH: usize = 4;
 
+/// Readings over a circle, and about where its centre is.
+struct Centred {
+    rows: Vec<Vec<Row>>,
+    /// Length of the path from the centre of the least-squares circle minus nominal radius, mm.
+    radial_mm: Vec<Vec<f64>>,
+}
+
+impl Centred {
+    fn of(paths: &[Path], nominal_mm: f64) -> Result<Self> {
+        let rows: Vec<Vec<Row>> = paths
+            .iter()
+            .map(|path| path.angle_rad.iter().map(|angle| row(*angle)).collect())
+            .collect();
+        let all_read: Vec<f64> = paths.iter().flat_map(|path| path.read_mm).copied().collect();
+        let [_, x_mm, y_mm] = by_squares(&rows.concat(), &all_read)?;
+        let radial = |(row, read_mm): (&Row, &f64)| {
+            let [_, cos, sin] = *row;
+            let (along_mm, across_mm) = (x_mm * cos + y_mm * sin, y_mm * cos - x_mm * sin);
+            let length_mm = nominal_mm + read_mm;
+            ((length_mm - across_mm) * (length_mm + across_mm)).max(0.0).sqrt()
+                - nominal_mm
+                - along_mm
+        };
+        let radial_mm = rows
+            .iter()
+            .zip(paths)
+            .map(|(rows, path)| rows.iter().zip(path.read_mm).map(radial).collect())
+            .collect();
+        Ok(Self { rows, radial_mm })
+    }
+
+    /// Of all ways together.
+    fn zones(&self) -> Result<[f64; 3]> {
+        zones(&self.rows.concat(), &self.radial_mm.concat())
+    }
+}
+
+/// G(b) of two ways, G of one, mm.
+pub(super) fn deviation_mm(paths: &[Path], nominal_mm: f64) -> Result<f64> {
+    Centred::of(paths, nominal_mm)?.zones().map(|[zone_mm, ..]| zone_mm)
+}
+
 /// All values of one or two ways, mm: [`OF_WAY`] of each, then of two [`OF_BOTH`] of both.
 pub(super) fn values_mm(paths: &[Path], nominal_mm: f64) -> Result<Vec<f64>> {
-    let rows: Vec<Vec<Row>> =
-        paths.iter().map(|path| path.angle_rad.iter().map(|angle| row(*angle)).collect()).collect();
-    let all_rows: Vec<Row> = rows.iter().flatten().copied().collect();
-    let all_read: Vec<f64> = paths.iter().flat_map(|path| path.read_mm).copied().collect();
-    let [_, x_mm, y_mm] = by_squares(&all_rows, &all_read)?;
-    let radial = |(row, read_mm): (&Row, &f64)| {
-        let [_, cos, sin] = *row;
-        let (along_mm, across_mm) = (x_mm * cos + y_mm * sin, y_mm * cos - x_mm * sin);
-        let length_mm = nominal_mm + read_mm;
-        ((length_mm - across_mm) * (length_mm + across_mm)).max(0.0).sqrt() - nominal_mm - along_mm
-    };
-    let radial_mm: Vec<Vec<f64>> = rows
-        .iter()
-        .zip(paths)
-        .map(|(rows, path)| rows.iter().zip(path.read_mm).map(radial).collect())
-        .collect();
+    let centred = Centred::of(paths, nominal_mm)?;
     let mut values = Vec::with_capacity(2 * OF_WAY + OF_BOTH);
-    for (rows, radial_mm) in rows.iter().zip(&radial_mm) {
+    for (rows, radial_mm) in centred.rows.iter().zip(&centred.radial_mm) {
         let [zone_mm, range_mm, _] = zones(rows, radial_mm)?;
         let [lowest_mm, highest_mm] = ends(radial_mm.iter().copied());
         values.extend([zone_mm, range_mm, highest_mm, lowest_mm]);
     }
-    if let ([one, other], [one_mm, other_mm]) = (paths, &radial_mm[..]) {
-        let [zone_mm, range_mm, radius_mm] = zones(&all_rows, &radial_mm.concat())?;
+    if let ([one, other], [one_mm, other_mm]) = (paths, &centred.radial_mm[..]) {
+        let [zone_mm, range_mm, radius_mm] = centred.zones()?;
         let apart_mm = largest_between((one.angle_rad, one_mm), (other.angle_rad, other_mm));
         values.extend([zone_mm, range_mm, radius_mm, apart_mm]);
     }

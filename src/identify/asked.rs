@@ -7,6 +7,7 @@
 //! | asked | is |
 //! | --- | --- |
 //! | scale of H | slope of `e_H` along H: least squares over the line, mean of both senses |
+//! | scale mismatch of H and I | scale of H less scale of I |
 //! | squareness of H and I | slope of `e_I` along H plus slope of `e_H` along I: above 0, less than 90° between the positive directions |
 //! | reversal of H | step of `e_H` from negative to positive motion |
 //! | lateral play of H in I | the same step of `e_I` |
@@ -27,6 +28,8 @@ use crate::solve::{Matrix, dot};
 pub enum Asked {
     /// Scale of an axis, mm/mm.
     Scale(Axis),
+    /// Scale of an axis less that of another, mm/mm.
+    ScaleMismatch(Axis, Axis),
     /// Squareness of two axes, mm/mm.
     Squareness(Axis, Axis),
     /// Reversal of an axis, mm.
@@ -97,7 +100,7 @@ pub struct Known<'a> {
     pub effects: Option<&'a Matrix>,
 }
 
-/// All that can be asked of what moved, in the order of [`Asked`].
+/// All that stands by itself of what can be asked of what moved, in the order of [`Asked`].
 pub fn answers(model: &Model, frame: &LocalFrame, of: &Known) -> Vec<Answer> {
     let axes: Vec<Axis> =
         Axis::ALL.into_iter().filter(|axis| frame.reach_mm[axis.index()] > 0.0).collect();
@@ -124,9 +127,24 @@ pub fn answers(model: &Model, frame: &LocalFrame, of: &Known) -> Vec<Answer> {
 }
 
 /// Answers, in the order in which they are asked.
-fn ask(model: &Model, frame: &LocalFrame, of: &Known, asked: &[Asked]) -> Vec<Answer> {
+pub fn ask(model: &Model, frame: &LocalFrame, of: &Known, asked: &[Asked]) -> Vec<Answer> {
     let lines = Lines { model, frame, values: of.values };
     asked.iter().map(|asked| answer(*asked, &asked.row(&lines), model, of)).collect()
+}
+
+/// What an axis errs by in a direction along its line, about the least-squares line and in the mean of both senses: from
+/// one end of the range to the other, mm.
+pub fn bent(
+    model: &Model,
+    frame: &LocalFrame,
+    values: &[f64],
+    [axis, along]: [Axis; 2],
+) -> Vec<[f64; 2]> {
+    let lines = Lines { model, frame, values };
+    let reach_mm = frame.reach_mm[axis.index()];
+    let middle_mm = frame.middle_mm[axis.index()];
+    let at = |(u, e): (f64, Row)| [middle_mm + u * reach_mm, e.all];
+    lines.straightened(axis, along).into_iter().map(at).collect()
 }
 
 fn answer(asked: Asked, row: &Row, model: &Model, of: &Known) -> Answer {
@@ -153,6 +171,9 @@ impl Asked {
     fn row(self, lines: &Lines) -> Row {
         match self {
             Self::Scale(axis) => lines.slope(axis, axis),
+            Self::ScaleMismatch(first, second) => {
+                lines.slope(first, first).plus(&lines.slope(second, second), -1.0)
+            }
             Self::Squareness(first, second) => {
                 lines.slope(first, second).plus(&lines.slope(second, first), 1.0)
             }
@@ -169,6 +190,7 @@ impl Asked {
     pub fn name(self) -> String {
         match self {
             Self::Scale(axis) => format!("scale {axis}"),
+            Self::ScaleMismatch(first, second) => format!("scale mismatch {first}{second}"),
             Self::Squareness(first, second) => format!("squareness {first}{second}"),
             Self::Reversal(axis) => format!("reversal {axis}"),
             Self::LateralPlay(axis, other) => format!("lateral play {axis} in {other}"),
@@ -182,7 +204,7 @@ impl Asked {
     /// The unit that people use, and how many of it one mm/mm, mm or rad is.
     pub fn unit(self) -> (&'static str, f64) {
         match self {
-            Self::Scale(_) | Self::Squareness(..) => ("um/m", 1e6),
+            Self::Scale(_) | Self::ScaleMismatch(..) | Self::Squareness(..) => ("um/m", 1e6),
             Self::Angle(..) | Self::AngularReversal(..) => ("urad", 1e6),
             _ => ("um", 1e3),
         }

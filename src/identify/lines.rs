@@ -65,12 +65,8 @@ impl Lines<'_> {
         Row { by, all }
     }
 
-    /// Where the tool is through the exact chain, seen from the point of the workpiece that it touches there, mm.
     fn ball_mm(&self, values: &[f64], pose: &Pose, along: Axis) -> f64 {
-        let touching = Mounting { coincidence_mm: pose.position_mm, ..self.model.mountings()[0] };
-        let errors = self.model.errors(values, pose, &Motion::REST, 0);
-        let machine = self.model.machine();
-        machine.ball_vector_mm(&touching, &pose.position_mm, &errors)[along.index()]
+        displaced_mm(self.model, values, pose)[along.index()]
     }
 
     /// Its mean over both senses at every point of the line of an axis.
@@ -109,12 +105,19 @@ impl Lines<'_> {
 
     /// What is farthest above less what is farthest below the least-squares line.
     pub(super) fn range(&self, axis: Axis, along: Axis) -> Row {
-        between_ends(self.line(axis, along), true)
+        between_ends(self.straightened(axis, along))
+    }
+
+    /// The line about its least-squares line.
+    pub(super) fn straightened(&self, axis: Axis, along: Axis) -> Vec<(f64, Row)> {
+        let line = self.line(axis, along);
+        let slope = slope(&line);
+        line.into_iter().map(|(u, e)| (u, e.plus(&slope, -u))).collect()
     }
 
     pub(super) fn angle(&self, axis: Axis, about: Axis) -> Row {
         let at = |u: f64| self.turned(&self.pose(axis, u, 0.0), axis, about);
-        between_ends(points().map(|u| (u, at(u))).collect(), false)
+        between_ends(points().map(|u| (u, at(u))).collect())
     }
 
     pub(super) fn angular_step(&self, axis: Axis, about: Axis) -> Row {
@@ -142,6 +145,14 @@ impl Lines<'_> {
     }
 }
 
+/// Where the tool is at rest through the exact chain, seen from the point of the workpiece that it touches there, mm; effects
+/// that are held beside the parameters count.
+pub fn displaced_mm(model: &Model, values: &[f64], pose: &Pose) -> Vector3<f64> {
+    let touching = Mounting { coincidence_mm: pose.position_mm, ..model.mountings()[0] };
+    let errors = model.errors(values, pose, &Motion::REST, 0);
+    model.machine().ball_vector_mm(&touching, &pose.position_mm, &errors)
+}
+
 /// Points of a line from one end to the other.
 fn points() -> impl Iterator<Item = f64> {
     (-POINTS..=POINTS).map(|k| f64::from(k) / f64::from(POINTS))
@@ -165,12 +176,10 @@ fn slope(line: &[(f64, Row)]) -> Row {
     sum
 }
 
-/// Difference of the two points where a curve is farthest above and below; about its least-squares line if it is to be
-/// `straightened`.
-fn between_ends(line: Vec<(f64, Row)>, straightened: bool) -> Row {
+/// Difference of the two points where a curve is farthest above and below.
+fn between_ends(line: Vec<(f64, Row)>) -> Row {
     let count = line.first().map_or(0, |(_, e)| e.by.len());
-    let slope = if straightened { slope(&line) } else { Row::zero(count) };
-    let ends: Vec<Row> = line.into_iter().map(|(u, e)| e.plus(&slope, -u)).collect();
+    let ends: Vec<Row> = line.into_iter().map(|(_, e)| e).collect();
     let highest = ends.iter().max_by(|a, b| a.all.total_cmp(&b.all));
     let lowest = ends.iter().min_by(|a, b| a.all.total_cmp(&b.all));
     match (highest, lowest) {

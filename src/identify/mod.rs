@@ -49,13 +49,14 @@ mod timing;
 mod uncertainty;
 mod words;
 
-pub use asked::{Answer, Asked, Known, Suspect, answers};
+pub use asked::{Answer, Asked, Known, Suspect, answers, ask, bent};
 pub use campaign::{Campaign, Failure};
 pub use complete::{count, explicit_terms, order_of};
 pub use fit::{IMPLAUSIBLE, identify};
 pub use foresight::foresee;
 pub use input::{Options, RunInput};
 pub use linearised::{LinearSample, Linearised};
+pub use lines::displaced_mm;
 pub use measured::MeasuredRun;
 pub use observability::{Gather, POINTS, POSES, Seen, Sight, TOLERANCE, ideal_poses};
 pub use prediction::{Prediction, predict, predict_with_prior, rehearse, stated_noise};

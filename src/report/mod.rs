@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | `analysis` | `analysis.json`, `report.html`, `samples-RUN.csv`, the summary |
 //! | `circular` | circular tests of ISO 230-4 and tolerances: part of the analysis |
+//! | `ranked` | features of the plane of each circular test, ranked: part of the analysis |
 //! | `diagnosis` | what the model gets wrong: part of the analysis, and by itself |
 //! | `plan` | `plan.json`, `plan.html`: what a test will be |
 //! | `design` | a test that was designed |
@@ -26,6 +27,7 @@ mod fixture;
 mod paper;
 mod plan;
 mod program;
+mod ranked;
 mod text;
 
 pub use analysis::facts::{
@@ -64,4 +66,5 @@ pub use plan::html::plan_page;
 pub use plan::planned::Planned;
 pub use plan::terminal::plan_summary;
 pub use program::html::path_page;
+pub use ranked::facts::{FeatureResult, RankingFacts, RankingResult};
 pub use text::words::list;

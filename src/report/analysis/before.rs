@@ -4,11 +4,12 @@ use super::facts::{Analysis, Before, RepeatResult, RunResult};
 use super::machine_errors::MachineErrors;
 use super::means::MeanResult;
 use super::place::PlaceResult;
-use crate::diagnose::{Diagnosis, ExtendedModel};
+use crate::diagnose::{Diagnosis, ExtendedModel, Finding};
 use crate::identify::Campaign;
 use crate::machine::Machine;
 use crate::plan::Test;
 use crate::report::diagnosis::facts::DiagnosisFacts;
+use crate::report::ranked::facts::RankingFacts;
 
 impl Analysis {
     /// Gathers what is told of a campaign and its diagnosis. Where something was found, the numbers are those of the
@@ -19,18 +20,25 @@ impl Analysis {
         campaign: &Campaign,
         diagnosis: &Diagnosis,
     ) -> Self {
-        let stated = Self::new(test, machine, campaign);
+        let stated = Self::gathered(test, machine, campaign);
         let facts = DiagnosisFacts::new(machine, &campaign.repeats, diagnosis);
-        let analysis = match &diagnosis.extended {
-            Some(extended) => stated.extended(extended),
-            None => stated,
+        let (analysis, of) = match &diagnosis.extended {
+            Some(by) => (stated.extended(by), (&by.test, &by.machine, &by.campaign)),
+            None => (stated, (test, machine, campaign)),
         };
-        Self { diagnosis: Some(facts), ..analysis }
+        Self { diagnosis: Some(facts), ..analysis }.ranked(of, &diagnosis.findings)
+    }
+
+    /// The same with the features of planes, of the campaign that it was gathered of.
+    pub(super) fn ranked(self, of: (&Test, &Machine, &Campaign), findings: &[Finding]) -> Self {
+        let repeats: Vec<u32> = self.repeats.iter().map(|repeat| repeat.repeat).collect();
+        let ranking = RankingFacts::new(of, &repeats, findings, self.diagnosis.as_ref());
+        Self { ranking, ..self }
     }
 
     /// The same test as the extended model has it.
     fn extended(self, by: &ExtendedModel) -> Self {
-        let now = Self::new(&by.test, &by.machine, &by.campaign);
+        let now = Self::gathered(&by.test, &by.machine, &by.campaign);
         let before = Before {
             repeats: self.repeats,
             over_repeats: self.over_repeats,

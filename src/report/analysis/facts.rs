@@ -12,6 +12,7 @@ use crate::error::{Error, Kind, Result};
 use crate::plan::Record;
 use crate::report::circular::facts::CircularFacts;
 use crate::report::diagnosis::facts::DiagnosisFacts;
+use crate::report::ranked::facts::RankingFacts;
 use crate::solve::Loss;
 
 /// The results of a test.
@@ -43,6 +44,8 @@ pub struct Analysis {
     pub at_the_place: Vec<PlaceResult>,
     /// Circular tests of ISO 230-4, and what tolerances say.
     pub circular: CircularFacts,
+    /// Features of the plane of each circular test, ranked by what repairing them would gain.
+    pub ranking: RankingFacts,
     /// Squareness, scale and reversal errors in people's units, as single coefficients of the paper say them.
     pub machine_errors: MachineErrors,
     /// What the model gets wrong; `None` where nobody looked.

@@ -14,6 +14,7 @@ use crate::machine::{Axis, Machine, Pivot};
 use crate::model::{HeldEffect, Parameter};
 use crate::plan::{self, BallBar, Run, Test};
 use crate::report::circular::facts::CircularFacts;
+use crate::report::ranked::facts::RankingFacts;
 use crate::report::text::numbers::{finite, without_dust};
 use crate::solve::Matrix;
 
@@ -29,6 +30,11 @@ const MOST_REJECTED: usize = 300;
 impl Analysis {
     /// Gathers what is told of a campaign.
     pub fn new(test: &Test, machine: &Machine, campaign: &Campaign) -> Self {
+        Self::gathered(test, machine, campaign).ranked((test, machine, campaign), &[])
+    }
+
+    /// The same without features of planes.
+    pub(super) fn gathered(test: &Test, machine: &Machine, campaign: &Campaign) -> Self {
         let identifications = &campaign.repeats;
         let mut runs = StatedRuns::new(test);
         let repeats: Vec<RepeatResult> = identifications
@@ -54,6 +60,7 @@ impl Analysis {
             loss: test.estimation().loss,
             minimum_norm: test.estimation().minimum_norm,
             circular: CircularFacts::new(test, &numbered, &at_the_place),
+            ranking: RankingFacts::default(),
             at_the_place,
             machine_errors: MachineErrors::new(machine, &over_repeats),
             repeats,

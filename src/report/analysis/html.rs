@@ -14,7 +14,7 @@ use crate::error::{Error, Kind, Result};
 use crate::report::text::numbers::{count, fixed, many, signed, typeset};
 use crate::report::text::units::{engineering, row_decimals};
 use crate::report::text::words::{fine, list};
-use crate::report::{circular, diagnosis};
+use crate::report::{circular, diagnosis, ranked};
 
 #[allow(clippy::struct_excessive_bools)] // what a page shows or not
 #[derive(Template)]
@@ -23,6 +23,7 @@ struct Page<'a> {
     analysis: &'a Analysis,
     verdict: Vec<String>,
     circular: String,
+    ranked: String,
     diagnosis: String,
     facts: Vec<(&'static str, String)>,
     coefficients: Vec<Vec<CoefficientRow>>,
@@ -81,6 +82,7 @@ pub fn render(analysis: &Analysis, shown: Shown) -> Result<String> {
     let page = Page {
         verdict: verdict::of(analysis).iter().chain(wrong).map(|line| fine(line)).collect(),
         circular: circular::html::section(&analysis.circular)?,
+        ranked: ranked::html::section(&analysis.ranking)?,
         diagnosis: diagnosis.unwrap_or_default(),
         facts: facts(analysis),
         coefficients: coefficients(analysis),

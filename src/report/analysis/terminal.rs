@@ -11,7 +11,7 @@ use crate::report::text::layout::{paragraph, table};
 use crate::report::text::numbers::{fixed, signed};
 use crate::report::text::units::{engineering, row_decimals};
 use crate::report::text::words::list;
-use crate::report::{circular, diagnosis};
+use crate::report::{circular, diagnosis, ranked};
 
 /// The summary: verdict, runs, coefficients in engineering units, squareness and reversal, what nobody
 /// can see, and cautions.
@@ -29,6 +29,7 @@ pub fn summary(analysis: &Analysis) -> String {
         paragraph(&mut text, "", &line);
     }
     text.push_str(&circular::terminal::text(&analysis.circular));
+    text.push_str(&ranked::terminal::text(&analysis.ranking));
     text.push_str("\nRuns\n");
     text.push_str(&runs_table(analysis));
     text.push_str("\nHow the control drove\n");

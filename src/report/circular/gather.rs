@@ -31,7 +31,8 @@ impl CircularFacts {
     }
 }
 
-fn result(test: &Test, repeat: u32, of: &CircularTest) -> CircularResult {
+/// A circular test in plain numbers.
+pub(in crate::report) fn result(test: &Test, repeat: u32, of: &CircularTest) -> CircularResult {
     let mounting = test.mountings().get(of.mounting);
     let length_um = test.ball_bar().length_sigma_mm.map(|sigma_mm| sigma_mm * 1e3);
     // A range does not know the length of the bar.

@@ -5,7 +5,7 @@
 
 mod conformity;
 pub(super) mod facts;
-mod gather;
+pub(super) mod gather;
 pub(super) mod html;
 pub(super) mod terminal;
-mod words;
+pub(super) mod words;

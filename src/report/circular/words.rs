@@ -4,7 +4,7 @@ use super::facts::CircularResult;
 use crate::report::text::numbers::fixed;
 
 /// Such as `XY plane F1000`; of a part of a circle with its angle.
-pub(super) fn test_name(test: &CircularResult) -> String {
+pub(in crate::report) fn test_name(test: &CircularResult) -> String {
     let arc = if test.whole { String::new() } else { format!(" {} deg", fixed(test.sweep_deg, 0)) };
     format!("{}{arc} F{}", test.circle, fixed(test.feed_mm_min, 0))
 }

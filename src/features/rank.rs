@@ -1,0 +1,154 @@
+//! Features of the circular tests of a repeat, the largest fall first.
+
+use super::feature::Feature;
+use super::scene::{Draft, Scene};
+use super::{angles, backlash, found, geometry, servo, volume};
+use crate::circular::{self, CircularTest};
+use crate::diagnose::Finding;
+use crate::error::Result;
+use crate::identify::Campaign;
+use crate::machine::{Axis, Machine};
+use crate::model::Situation;
+use crate::plan::Test;
+
+/// A feature that does less than this to every reading does nothing here, mm: a thousandth of what the best bars resolve.
+const NOTHING_MM: f64 = 1e-7;
+
+/// A circular test with the features of its plane.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ranking {
+    /// The test.
+    pub test: CircularTest,
+    /// Those that are told apart from 0 first, the largest fall of the deviation first.
+    pub features: Vec<Feature>,
+    /// By how much G(b) falls, of one way G, without all those that are not told apart from 0 together, mm.
+    pub untold_fall_mm: f64,
+    /// What is left of it without any of the features, mm.
+    pub left_mm: f64,
+    /// The volumetric error over the sphere that was measured, mm rms; `None` where not all axes moved.
+    pub volumetric_mm: Option<f64>,
+}
+
+/// The circular tests of a repeat that lie in coordinate planes, in the order in which they were driven. `findings` are what
+/// the campaign was extended by.
+///
+/// # Errors
+/// When readings cannot be fitted: numbers that are not finite.
+pub fn of(
+    test: &Test,
+    machine: &Machine,
+    campaign: &Campaign,
+    findings: &[Finding],
+    repeat: usize,
+) -> Result<Vec<Ranking>> {
+    let (Some(identification), Some(frame)) = (campaign.repeats.get(repeat), &campaign.frame)
+    else {
+        return Ok(Vec::new());
+    };
+    let model = campaign.model(test, machine, repeat)?;
+    let values = identification.values();
+    let held = campaign.held.get(repeat).map_or(&[][..], Vec::as_slice);
+    let mut rankings = Vec::new();
+    for test in circular::of(identification)?.0 {
+        let Some((plane, _)) = test.circle.plane() else { continue };
+        let scene = Scene {
+            model: &model,
+            frame,
+            identification,
+            values: &values,
+            held,
+            findings,
+            repeat,
+            axes: plane.axes().map(|k| Axis::ALL[k]),
+            normal: Axis::ALL[plane.normal()],
+            radius_mm: test.radius_mm,
+            feed_mm_s: test.feed_mm_s,
+            runs: test.ways.iter().map(|way| way.path.run).collect(),
+        };
+        rankings.push(ranked(&scene, test)?);
+    }
+    Ok(rankings)
+}
+
+fn ranked(scene: &Scene, test: CircularTest) -> Result<Ranking> {
+    let mut drafts = geometry::drafts(scene);
+    drafts.extend(backlash::drafts(scene));
+    drafts.extend(servo::draft(scene));
+    drafts.extend(angles::drafts(scene));
+    drafts.extend(found::drafts(scene));
+    let volume = volume::Volume::of(scene);
+    let situations: Vec<Vec<Situation>> = test
+        .ways
+        .iter()
+        .map(|way| {
+            let run = &scene.identification.runs[way.path.run];
+            let at = |k: &usize| {
+                let sample = &run.records[*k].sample;
+                scene.model.situation(&sample.pose, &sample.motion, run.mounting)
+            };
+            way.path.records.iter().map(at).collect()
+        })
+        .collect();
+    let as_read = vec![0.0; test.ways.iter().map(|way| way.path.read_mm.len()).sum()];
+    let read_mm = without_mm(&test, &as_read, 0.0)?;
+    let (mut features, mut all_mm, mut untold_mm) = (Vec::new(), as_read.clone(), as_read);
+    for Draft { feature, column } in drafts {
+        let adds_mm: Vec<f64> = situations
+            .iter()
+            .zip(&test.ways)
+            .flat_map(|(of, way)| of.iter().map(|at| column(at, way.path.run)))
+            .collect();
+        let does = adds_mm.iter().any(|mm| mm.abs() > NOTHING_MM);
+        if !does && feature.size_mm.is_none() {
+            continue;
+        }
+        let add = |to: &mut Vec<f64>| to.iter_mut().zip(&adds_mm).for_each(|(to, mm)| *to += mm);
+        add(&mut all_mm);
+        if !feature.is_told() {
+            add(&mut untold_mm);
+        }
+        let fall_mm = |share: f64| Ok(read_mm - without_mm(&test, &adds_mm, share)?);
+        let by = |sigma: Option<f64>| match sigma {
+            Some(sigma) if feature.value != 0.0 => {
+                let aside = sigma / feature.value;
+                Ok(Some(0.5 * (fall_mm(1.0 + aside)? - fall_mm(1.0 - aside)?).abs()))
+            }
+            _ => Ok(None),
+        };
+        features.push(Feature {
+            fall_mm: fall_mm(1.0)?,
+            fall_noise_mm: by(feature.noise)?,
+            fall_all_mm: by(feature.uncertainty())?,
+            volumetric_fall_mm: volume.as_ref().and_then(|volume| volume.fall_mm(&column)),
+            ..feature
+        });
+    }
+    share(&mut features);
+    features.sort_by(|a, b| b.is_told().cmp(&a.is_told()).then(b.fall_mm.total_cmp(&a.fall_mm)));
+    let left_mm = without_mm(&test, &all_mm, 1.0)?;
+    let untold_fall_mm = read_mm - without_mm(&test, &untold_mm, 1.0)?;
+    let volumetric_mm = volume.map(|volume| volume.rms_mm());
+    Ok(Ranking { test, features, untold_fall_mm, left_mm, volumetric_mm })
+}
+
+/// G(b), of one way G, with so many times what a feature adds taken off, mm.
+fn without_mm(test: &CircularTest, adds_mm: &[f64], times: f64) -> Result<f64> {
+    let mut adds = adds_mm.iter();
+    let read_mm: Vec<Vec<f64>> = test
+        .ways
+        .iter()
+        .map(|way| {
+            let without = way.path.read_mm.iter().zip(&mut adds);
+            without.map(|(read, add)| read - times * add).collect()
+        })
+        .collect();
+    test.deviation_with_mm(&read_mm)
+}
+
+/// Each size as a share of the sum of all.
+fn share(features: &mut [Feature]) {
+    let sum: f64 = features.iter().filter_map(|feature| feature.size_mm).sum();
+    for feature in features {
+        feature.share = feature.size_mm.filter(|_| sum > 0.0).map(|size| size / sum);
+    }
+}

@@ -1,0 +1,74 @@
+//! What features are made of: a circular test in its plane, and the model that its runs were identified with.
+
+use crate::diagnose::{Finding, Owner};
+use crate::identify::{Answer, Asked, Identification, ask};
+use crate::machine::Axis;
+use crate::model::{HeldEffect, LocalFrame, Model, Situation};
+use crate::solve::dot;
+
+/// What a feature adds to the length at a situation of a run, mm.
+pub(super) type Column<'a> = Box<dyn Fn(&Situation, usize) -> f64 + 'a>;
+
+/// A feature before it is ranked.
+pub(super) struct Draft<'a> {
+    pub(super) feature: super::feature::Feature,
+    pub(super) column: Column<'a>,
+}
+
+/// A circular test in its plane.
+pub(super) struct Scene<'a> {
+    pub(super) model: &'a Model<'a>,
+    pub(super) frame: &'a LocalFrame,
+    pub(super) identification: &'a Identification,
+    pub(super) values: &'a [f64],
+    pub(super) held: &'a [HeldEffect],
+    pub(super) findings: &'a [Finding],
+    /// Index of the repeat.
+    pub(super) repeat: usize,
+    /// The axes of the plane, the first one first.
+    pub(super) axes: [Axis; 2],
+    /// The axis that is normal to it.
+    pub(super) normal: Axis,
+    pub(super) radius_mm: f64,
+    pub(super) feed_mm_s: f64,
+    /// Indices of the runs of its ways.
+    pub(super) runs: Vec<usize>,
+}
+
+impl Scene<'_> {
+    /// Answers, in the order in which they are asked.
+    pub(super) fn ask<const N: usize>(&self, asked: [Asked; N]) -> [Option<Answer>; N] {
+        let known = self.identification.known(self.values);
+        let mut answers = ask(self.model, self.frame, &known, &asked).into_iter();
+        asked.map(|_| answers.next())
+    }
+
+    /// How far a slide is from the middle of the test, mm.
+    pub(super) fn beside_mm(&self, at: &Situation, axis: Axis) -> f64 {
+        at.pose.position_mm[axis.index()] - self.frame.middle_mm[axis.index()]
+    }
+
+    /// The effects that the model holds beside its parameters, each with the index of its finding: they stand in the order of the
+    /// findings, of what differs from run to run one a run.
+    pub(super) fn found(&self) -> Vec<(usize, &HeldEffect)> {
+        let of = |(k, finding): (usize, &Finding)| {
+            let count = match finding.owner() {
+                Owner::All => 1,
+                Owner::One { repeat, .. } => usize::from(repeat == self.repeat),
+                Owner::EachRun => self.identification.runs.len(),
+            };
+            std::iter::repeat_n(k, count)
+        };
+        self.findings.iter().enumerate().flat_map(of).zip(self.held).collect()
+    }
+}
+
+/// What an effect adds to the length at a situation of a run, mm.
+pub(super) fn added_mm(held: &HeldEffect, at: &Situation, run: usize) -> f64 {
+    if !held.is_in(run) {
+        return 0.0;
+    }
+    let mut columns = vec![0.0; held.amplitudes.len()];
+    held.form.term().columns(at, &mut columns);
+    dot(&columns, &held.amplitudes)
+}

@@ -1,0 +1,88 @@
+//! From identified runs to [`RankingFacts`].
+
+use super::facts::{FeatureResult, RankingFacts, RankingResult};
+use super::words;
+use crate::diagnose::Finding;
+use crate::features::{self, Feature, Ranking};
+use crate::identify::Campaign;
+use crate::machine::Machine;
+use crate::plan::Test;
+use crate::report::circular;
+use crate::report::diagnosis::facts::DiagnosisFacts;
+use crate::report::text::numbers::finite;
+
+const UM: f64 = 1e3;
+
+impl RankingFacts {
+    /// Gathers the features of a campaign, whose repeats have these numbers; `findings` and `diagnosis` are what it was extended
+    /// by, and what is told of that.
+    pub(in crate::report) fn new(
+        (test, machine, campaign): (&Test, &Machine, &Campaign),
+        repeats: &[u32],
+        findings: &[Finding],
+        diagnosis: Option<&DiagnosisFacts>,
+    ) -> Self {
+        let mut facts = Self::default();
+        for (index, repeat) in repeats.iter().enumerate() {
+            match features::of(test, machine, campaign, findings, index) {
+                Ok(of_repeat) => {
+                    let of = |ranking: &Ranking| result(test, *repeat, ranking, diagnosis);
+                    facts.tests.extend(of_repeat.iter().map(of));
+                }
+                Err(error) => facts.untold.push(format!("Repeat {repeat}: {}.", error.what)),
+            }
+        }
+        facts
+    }
+}
+
+fn result(
+    test: &Test,
+    repeat: u32,
+    of: &Ranking,
+    diagnosis: Option<&DiagnosisFacts>,
+) -> RankingResult {
+    let findings = diagnosis.map_or(&[][..], |diagnosis| &diagnosis.findings);
+    let not_found = diagnosis.map(|_| words::not_found(&of.features, findings));
+    RankingResult {
+        repeat,
+        test: circular::words::test_name(&circular::gather::result(test, repeat, &of.test)),
+        deviation: if of.test.bidirectional.is_some() { "G(b)" } else { "G" },
+        deviation_um: of.test.deviation().map_or(0.0, |of| of.value_mm * UM),
+        volumetric_um: of.volumetric_mm.map(|mm| mm * UM),
+        features: of
+            .features
+            .iter()
+            .map(|feature| FeatureResult {
+                feature: words::name(feature, findings),
+                in_words: words::sign(feature, findings),
+                ..numbers(feature)
+            })
+            .collect(),
+        untold_fall_um: of.untold_fall_mm * UM + 0.0,
+        left_um: of.left_mm * UM,
+        not_found: not_found.unwrap_or_default(),
+        smallest_um: diagnosis.and_then(|diagnosis| finite(diagnosis.of_all.smallest_mm * UM)),
+    }
+}
+
+fn numbers(of: &Feature) -> FeatureResult {
+    let um = |mm: Option<f64>| mm.and_then(|mm| finite(mm * UM));
+    FeatureResult {
+        feature: String::new(),
+        in_words: String::new(),
+        unit: of.unit,
+        value: of.value + 0.0,
+        positive_end: of.at_ends.map(|[positive, _]| positive + 0.0),
+        negative_end: of.at_ends.map(|[_, negative]| negative + 0.0),
+        noise: of.noise.and_then(finite),
+        all: of.all.and_then(finite),
+        told_apart_from_0: of.is_told(),
+        size_um: um(of.size_mm),
+        share_percent: of.share.and_then(|share| finite(share * 100.0)),
+        fall_um: of.fall_mm * UM + 0.0,
+        fall_noise_um: um(of.fall_noise_mm),
+        fall_all_um: um(of.fall_all_mm),
+        volumetric_fall_um: um(of.volumetric_fall_mm),
+    }
+}

@@ -1,0 +1,76 @@
+//! The ranked features in the report.
+
+use askama::Template;
+
+use super::facts::{FeatureResult, RankingFacts, RankingResult};
+use super::terminal;
+use crate::error::{Error, Kind, Result};
+use crate::report::text::numbers::{fixed, signed, typeset};
+use crate::report::text::words::fine;
+
+#[derive(Template)]
+#[template(path = "ranked.html")]
+struct Section {
+    tests: Vec<Ranked>,
+    meaning: String,
+}
+
+struct Ranked {
+    title: String,
+    falls: String,
+    volumetric: bool,
+    rows: Vec<Row>,
+    sentences: Vec<String>,
+}
+
+struct Row {
+    told: bool,
+    cells: [String; 8],
+}
+
+/// The tables, as HTML without a page around them; empty where there are none.
+pub(in crate::report) fn section(facts: &RankingFacts) -> Result<String> {
+    let shown = terminal::worst_repeats(facts);
+    if shown.is_empty() {
+        return Ok(String::new());
+    }
+    let section = Section {
+        tests: shown.into_iter().map(ranked).collect(),
+        meaning: fine(terminal::MEANING),
+    };
+    section.render().map_err(|error| {
+        Error::new(Kind::Output, format!("the ranked features cannot be rendered: {error}"))
+    })
+}
+
+fn ranked(test: &RankingResult) -> Ranked {
+    let deviation_um = fixed(test.deviation_um, 2);
+    Ranked {
+        title: format!("{}, {} {deviation_um} µm", test.test, test.deviation),
+        falls: format!("{} falls by, µm", test.deviation),
+        volumetric: test.volumetric_um.is_some(),
+        rows: test.features.iter().map(row).collect(),
+        sentences: terminal::sentences(test).iter().map(|sentence| fine(sentence)).collect(),
+    }
+}
+
+fn row(of: &FeatureResult) -> Row {
+    let [value, noise, all] = terminal::values(of).map(|cell| typeset(&cell));
+    let uncertain = of.fall_all_um.map_or_else(String::new, |um| format!(" ± {}", fixed(um, 2)));
+    let fall = format!("{}{uncertain}", typeset(&signed(of.fall_um, 2)));
+    let volumetric = of.volumetric_fall_um.map_or("–".to_owned(), |um| typeset(&signed(um, 2)));
+    let words = if of.told_apart_from_0 { of.in_words.as_str() } else { "not told apart from 0" };
+    Row {
+        told: of.told_apart_from_0,
+        cells: [
+            of.feature.clone(),
+            format!("{value} {}", fine(&format!(" {}", of.unit)).trim()),
+            noise,
+            all,
+            terminal::share(of),
+            fall,
+            words.to_owned(),
+            volumetric,
+        ],
+    }
+}
