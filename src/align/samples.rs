@@ -205,6 +205,25 @@ impl Alignment {
         samples
     }
 
+    /// A sample of an arc as it would be a little later on its way.
+    pub fn later(&self, sample: &Sample, later_s: f64) -> Sample {
+        let program_s = sample.program_s + later_s;
+        let state = self.trajectory.at(program_s);
+        let late_mm = self.time_map.delays_s.component_mul(&state.velocity_mm_s);
+        let position_mm =
+            self.followed_mm(program_s, state.block, self.time_map.following_s) - late_mm;
+        let motion = Motion {
+            velocity_mm_s: state.velocity_mm_s,
+            elapsed_s: sample.motion.elapsed_s + later_s,
+            program_s,
+            reversals: self.reversals.last(program_s, &position_mm),
+            corner: self.trajectory.corner(program_s, state.block),
+            ..sample.motion
+        };
+        let pose = Pose { position_mm, sense: state.sense };
+        Sample { program_s, pose, motion, block: state.block, ..*sample }
+    }
+
     /// By how much the mean of the commanded length over a window is longer than the length in its middle, mm.
     ///
     /// The mean of a curve of third degree is that of its values at the middle and [`window::node_s`] either side of it.

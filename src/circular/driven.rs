@@ -6,7 +6,7 @@ use super::draw;
 use super::found::{Found, Way, WayPath};
 use super::passes::{Filter, Pass};
 use super::thresholds::{DRAWS, SAME_FEED, SAME_SPAN_RAD};
-use super::values::{OF_BOTH, OF_WAY, Path, deviation_mm, row, values_mm};
+use super::values::{self, OF_BOTH, OF_WAY, Path, row, values_mm};
 use crate::align::Circle;
 use crate::error::Result;
 use crate::identify::{Identification, Record};
@@ -42,25 +42,21 @@ pub struct CircularTest {
 }
 
 impl CircularTest {
-    /// G(b) of both ways, of one way G, with other readings at the same angles, mm.
-    ///
-    /// # Errors
-    /// When readings are not finite numbers.
-    pub fn deviation_with_mm(&self, read_mm: &[Vec<f64>]) -> Result<f64> {
-        let paths: Vec<Path> = self
-            .ways
-            .iter()
-            .zip(read_mm)
-            .map(|(way, read_mm)| Path { angle_rad: &way.path.angle_rad, read_mm })
-            .collect();
-        deviation_mm(&paths, self.radius_mm)
-    }
-
     /// G(b) of both ways, of one way G, as it was read.
     pub fn deviation(&self) -> Option<Found> {
         let of_way = || self.ways.first().map(|way| way.circular);
         self.bidirectional.map(|[zone, _]| zone).or_else(of_way)
     }
+}
+
+/// G(b) of two ways, of one way G, of any readings, mm: each way as angles, rad, and lengths minus the nominal one, mm.
+///
+/// # Errors
+/// When readings are not finite numbers.
+pub fn deviation_mm(ways: &[(&[f64], &[f64])], nominal_mm: f64) -> Result<f64> {
+    let paths: Vec<Path> =
+        ways.iter().map(|&(angle_rad, read_mm)| Path { angle_rad, read_mm }).collect();
+    values::deviation_mm(&paths, nominal_mm)
 }
 
 /// An arc without values.

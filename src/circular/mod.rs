@@ -30,6 +30,6 @@ mod passes;
 mod thresholds;
 mod values;
 
-pub use driven::{CircularTest, Untold, of};
+pub use driven::{CircularTest, Untold, deviation_mm, of};
 pub use found::{Found, Way, WayPath};
 pub use passes::Filter;

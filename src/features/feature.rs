@@ -61,6 +61,30 @@ pub struct Feature {
 }
 
 impl Feature {
+    /// A value with its uncertainties in a unit, and nothing else yet.
+    pub(super) fn of(
+        kind: Kind,
+        unit: &'static str,
+        value: f64,
+        [noise, all]: [Option<f64>; 2],
+    ) -> Self {
+        Self {
+            kind,
+            value: value + 0.0,
+            noise,
+            all,
+            unit,
+            at_ends: None,
+            sag_mm: None,
+            size_mm: None,
+            share: None,
+            fall_mm: 0.0,
+            fall_noise_mm: None,
+            fall_all_mm: None,
+            volumetric_fall_mm: None,
+        }
+    }
+
     /// All that is not known of the value, in its unit.
     pub fn uncertainty(&self) -> Option<f64> {
         self.all.or(self.noise)

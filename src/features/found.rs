@@ -51,19 +51,7 @@ fn feature(scene: &Scene, k: usize, of: &Finding) -> Feature {
     let spike = shape.is_some_and(|shape| shape.cause.id == "reversal-spike");
     // Outward on the circle, as backlash is.
     let at_ends = spike.then_some([-value, -value]);
-    Feature {
-        kind: Kind::Found(k),
-        value: if spike { -value } else { value },
-        noise: sigma,
-        all: sigma,
-        unit: number.map_or("um", |number| number.unit),
-        at_ends,
-        sag_mm: None,
-        size_mm,
-        share: None,
-        fall_mm: 0.0,
-        fall_noise_mm: None,
-        fall_all_mm: None,
-        volumetric_fall_mm: None,
-    }
+    let unit = number.map_or("um", |number| number.unit);
+    let outward = if spike { -value } else { value };
+    Feature { at_ends, size_mm, ..Feature::of(Kind::Found(k), unit, outward, [sigma, sigma]) }
 }

@@ -12,22 +12,8 @@ const UM: f64 = 1e3;
 
 /// A feature of an answer, in a unit of which one mm/mm or mm is so many.
 pub(super) fn feature(kind: Kind, of: &Answer, unit: &'static str, factor: f64) -> Feature {
-    let size = factor.abs();
-    Feature {
-        kind,
-        value: of.value * factor + 0.0,
-        noise: Some(of.noise * size),
-        all: of.all.map(|all| all * size),
-        unit,
-        at_ends: None,
-        sag_mm: None,
-        size_mm: None,
-        share: None,
-        fall_mm: 0.0,
-        fall_noise_mm: None,
-        fall_all_mm: None,
-        volumetric_fall_mm: None,
-    }
+    let known = [Some(of.noise * factor), of.all.map(|all| all * factor)];
+    Feature::of(kind, unit, of.value * factor, known)
 }
 
 /// What the geometry of the two axes does.

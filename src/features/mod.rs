@@ -16,7 +16,8 @@
 //! | a finding | its amplitude | that of its cause |
 //!
 //! **The fall** is G(b) of the readings, of one way G, less that of the readings with `u · e` taken off, by the room
-//! [`circular`](crate::circular). Falls do not add up: a range is not a sum. Its uncertainty is that of the value.
+//! [`circular`](crate::circular), both without the readings at a reversal whose time is not known well enough to say which way the axis
+//! went. Falls do not add up: a range is not a sum. Its uncertainty is that of the value.
 //!
 //! **The share** is what Ballbar 20 prints, as far as its reports show: `m_i / sum m` over its own features, `m` the larger magnitude of its values
 //! in um, of squareness `s R`, of servo mismatch `d v` with the speed `v` along the path, of a cyclic error from peak to peak. It says how large a value is beside
@@ -28,6 +29,7 @@ mod feature;
 mod found;
 mod geometry;
 mod rank;
+mod readings;
 mod scene;
 mod servo;
 mod volume;

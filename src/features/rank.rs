@@ -1,6 +1,7 @@
 //! Features of the circular tests of a repeat, the largest fall first.
 
 use super::feature::Feature;
+use super::readings::Readings;
 use super::scene::{Draft, Scene};
 use super::{angles, backlash, found, geometry, servo, volume};
 use crate::circular::{self, CircularTest};
@@ -8,7 +9,6 @@ use crate::diagnose::Finding;
 use crate::error::Result;
 use crate::identify::Campaign;
 use crate::machine::{Axis, Machine};
-use crate::model::Situation;
 use crate::plan::Test;
 
 /// A feature that does less than this to every reading does nothing here, mm: a thousandth of what the best bars resolve.
@@ -77,27 +77,12 @@ fn ranked(scene: &Scene, test: CircularTest) -> Result<Ranking> {
     drafts.extend(angles::drafts(scene));
     drafts.extend(found::drafts(scene));
     let volume = volume::Volume::of(scene);
-    let situations: Vec<Vec<Situation>> = test
-        .ways
-        .iter()
-        .map(|way| {
-            let run = &scene.identification.runs[way.path.run];
-            let at = |k: &usize| {
-                let sample = &run.records[*k].sample;
-                scene.model.situation(&sample.pose, &sample.motion, run.mounting)
-            };
-            way.path.records.iter().map(at).collect()
-        })
-        .collect();
-    let as_read = vec![0.0; test.ways.iter().map(|way| way.path.read_mm.len()).sum()];
-    let read_mm = without_mm(&test, &as_read, 0.0)?;
+    let readings = Readings::of(scene, &test);
+    let as_read = vec![0.0; readings.count()];
+    let read_mm = readings.deviation_without_mm(&as_read, 0.0)?;
     let (mut features, mut all_mm, mut untold_mm) = (Vec::new(), as_read.clone(), as_read);
     for Draft { feature, column } in drafts {
-        let adds_mm: Vec<f64> = situations
-            .iter()
-            .zip(&test.ways)
-            .flat_map(|(of, way)| of.iter().map(|at| column(at, way.path.run)))
-            .collect();
+        let adds_mm = readings.adds_mm(&column);
         let does = adds_mm.iter().any(|mm| mm.abs() > NOTHING_MM);
         if !does && feature.size_mm.is_none() {
             continue;
@@ -107,7 +92,7 @@ fn ranked(scene: &Scene, test: CircularTest) -> Result<Ranking> {
         if !feature.is_told() {
             add(&mut untold_mm);
         }
-        let fall_mm = |share: f64| Ok(read_mm - without_mm(&test, &adds_mm, share)?);
+        let fall_mm = |share: f64| Ok(read_mm - readings.deviation_without_mm(&adds_mm, share)?);
         let by = |sigma: Option<f64>| match sigma {
             Some(sigma) if feature.value != 0.0 => {
                 let aside = sigma / feature.value;
@@ -125,24 +110,10 @@ fn ranked(scene: &Scene, test: CircularTest) -> Result<Ranking> {
     }
     share(&mut features);
     features.sort_by(|a, b| b.is_told().cmp(&a.is_told()).then(b.fall_mm.total_cmp(&a.fall_mm)));
-    let left_mm = without_mm(&test, &all_mm, 1.0)?;
-    let untold_fall_mm = read_mm - without_mm(&test, &untold_mm, 1.0)?;
+    let left_mm = readings.deviation_without_mm(&all_mm, 1.0)?;
+    let untold_fall_mm = read_mm - readings.deviation_without_mm(&untold_mm, 1.0)?;
     let volumetric_mm = volume.map(|volume| volume.rms_mm());
     Ok(Ranking { test, features, untold_fall_mm, left_mm, volumetric_mm })
-}
-
-/// G(b), of one way G, with so many times what a feature adds taken off, mm.
-fn without_mm(test: &CircularTest, adds_mm: &[f64], times: f64) -> Result<f64> {
-    let mut adds = adds_mm.iter();
-    let read_mm: Vec<Vec<f64>> = test
-        .ways
-        .iter()
-        .map(|way| {
-            let without = way.path.read_mm.iter().zip(&mut adds);
-            without.map(|(read, add)| read - times * add).collect()
-        })
-        .collect();
-    test.deviation_with_mm(&read_mm)
 }
 
 /// Each size as a share of the sum of all.

@@ -40,20 +40,7 @@ pub(super) fn draft<'a>(scene: &'a Scene<'a>) -> Option<Draft<'a>> {
         let half_s = 0.5 * mismatch_s.get(run).copied().unwrap_or(0.0);
         half_s * (u[b.index()] * v[b.index()] - u[a.index()] * v[a.index()])
     };
-    let feature = Feature {
-        kind: Kind::ServoMismatch(a, b),
-        value: value_s * MS + 0.0,
-        noise,
-        all: noise,
-        unit: "ms",
-        at_ends: None,
-        sag_mm: None,
-        size_mm: Some(value_s.abs() * scene.feed_mm_s),
-        share: None,
-        fall_mm: 0.0,
-        fall_noise_mm: None,
-        fall_all_mm: None,
-        volumetric_fall_mm: None,
-    };
+    let of = Feature::of(Kind::ServoMismatch(a, b), "ms", value_s * MS, [noise, noise]);
+    let feature = Feature { size_mm: Some(value_s.abs() * scene.feed_mm_s), ..of };
     Some(Draft { feature, column: Box::new(column) })
 }

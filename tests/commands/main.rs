@@ -18,6 +18,7 @@ mod logs;
 mod mountings;
 mod plan;
 mod planes;
+mod ranked;
 mod reference;
 mod refused;
 mod safe;

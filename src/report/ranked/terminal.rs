@@ -18,13 +18,12 @@ pub(in crate::report) fn text(facts: &RankingFacts) -> String {
     for test in &shown {
         let _ = writeln!(
             text,
-            "\nWhat to repair: {}, {} {} um",
+            "\nWhat to repair: {}, and by how much {} falls from {} um",
             test.test,
             test.deviation,
             fixed(test.deviation_um, 2)
         );
-        let falls = format!("{} falls by", test.deviation);
-        let head = ["", "value", "noise", "all", "", "share", &falls, ""];
+        let head = ["", "value", "noise", "all", "", "share", "falls, um", ""];
         let mut rows = vec![head.map(str::to_owned).to_vec()];
         rows.extend(told(test).map(row));
         text.push_str(&table(&rows, "lrrrlrrl"));
@@ -54,7 +53,7 @@ fn row(of: &FeatureResult) -> Vec<String> {
         all,
         of.unit.to_owned(),
         share(of),
-        fall(of),
+        signed(of.fall_um, 2),
         of.in_words.clone(),
     ]
 }
@@ -68,10 +67,6 @@ pub(super) fn values(of: &FeatureResult) -> [String; 3] {
 
 pub(super) fn share(of: &FeatureResult) -> String {
     of.share_percent.map_or_else(|| "-".to_owned(), |share| format!("{} %", fixed(share, 0)))
-}
-
-pub(super) fn fall(of: &FeatureResult) -> String {
-    format!("{} um", signed(of.fall_um, 2))
 }
 
 /// What stands below the table.

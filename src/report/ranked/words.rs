@@ -16,10 +16,14 @@ pub(super) fn name(of: &Feature, findings: &[FindingFacts]) -> String {
         Kind::Backlash(axis) => format!("backlash {axis}"),
         Kind::LateralPlay(axis, along) => format!("lateral play {axis} in {along}"),
         Kind::Straightness(axis, along) => format!("straightness {axis} in {along}"),
-        Kind::Positioning(axis) => format!("positioning {axis} beside its scale"),
+        Kind::Positioning(axis) => format!("positioning {axis}"),
         Kind::Angle(axis, about) => format!("angle E{}{axis}", ['A', 'B', 'C'][about.index()]),
         Kind::ServoMismatch(a, b) => format!("servo mismatch {a}{b}"),
         Kind::Found(k) => findings.get(k).map_or_else(String::new, |finding| {
+            // A delay that all axes share has no seat.
+            if finding.cause == Some("servo") && finding.on.is_empty() {
+                return "following error".to_owned();
+            }
             let cause = finding.cause.unwrap_or("unexplained").replace('-', " ");
             format!("{cause} {}", finding.on).trim().to_owned()
         }),

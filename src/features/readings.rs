@@ -1,0 +1,100 @@
+//! The readings of a circular test, each with where the machine was while it was taken.
+
+use super::scene::{Column, Scene};
+use crate::circular::{self, CircularTest, WayPath};
+use crate::error::Result;
+use crate::identify::Apart;
+use crate::model::Situation;
+
+/// A mean of readings across a reversal is seen at so many moments: each is a millisecond of 20.
+const MOMENTS: u32 = 20;
+
+/// The readings of one way.
+struct Way {
+    run: usize,
+    angle_rad: Vec<f64>,
+    read_mm: Vec<f64>,
+    /// Where each was taken; where an axis turned round meanwhile, at several moments.
+    seen: Vec<Vec<Situation>>,
+}
+
+/// The readings whose place is known. Where an axis turned round, that is a mean which reaches farther than what is not known of
+/// its time: else nothing says which way the axis went.
+pub(super) struct Readings {
+    ways: Vec<Way>,
+    nominal_mm: f64,
+}
+
+impl Readings {
+    pub(super) fn of(scene: &Scene, test: &CircularTest) -> Self {
+        let ways = test.ways.iter().map(|of| way(scene, &of.path)).collect();
+        Self { ways, nominal_mm: test.radius_mm }
+    }
+
+    /// What a feature adds to each reading, mm, way after way.
+    pub(super) fn adds_mm(&self, column: &Column) -> Vec<f64> {
+        let of_way = |way: &Way| -> Vec<f64> {
+            let mean = |seen: &Vec<Situation>| {
+                seen.iter().map(|at| column(at, way.run)).sum::<f64>() / seen.len().max(1) as f64
+            };
+            way.seen.iter().map(mean).collect()
+        };
+        self.ways.iter().flat_map(of_way).collect()
+    }
+
+    /// Readings, of all ways.
+    pub(super) fn count(&self) -> usize {
+        self.ways.iter().map(|way| way.read_mm.len()).sum()
+    }
+
+    /// G(b), of one way G, with so many times what a feature adds taken off, mm.
+    pub(super) fn deviation_without_mm(&self, adds_mm: &[f64], times: f64) -> Result<f64> {
+        let mut adds = adds_mm.iter();
+        let read_mm: Vec<Vec<f64>> = self
+            .ways
+            .iter()
+            .map(|way| {
+                let without = way.read_mm.iter().zip(&mut adds);
+                without.map(|(read, add)| read - times * add).collect()
+            })
+            .collect();
+        let ways: Vec<(&[f64], &[f64])> = self
+            .ways
+            .iter()
+            .zip(&read_mm)
+            .map(|(way, read_mm)| (way.angle_rad.as_slice(), read_mm.as_slice()))
+            .collect();
+        circular::deviation_mm(&ways, self.nominal_mm)
+    }
+}
+
+fn way(scene: &Scene, path: &WayPath) -> Way {
+    let run = &scene.identification.runs[path.run];
+    let alignment = &run.alignment;
+    let half_s = if alignment.averaged > 1 { 0.5 * alignment.sample_period_s } else { 0.0 };
+    let mut way =
+        Way { run: path.run, angle_rad: Vec::new(), read_mm: Vec::new(), seen: Vec::new() };
+    for ((number, angle_rad), read_mm) in
+        path.records.iter().zip(&path.angle_rad).zip(&path.read_mm)
+    {
+        let record = &run.records[*number];
+        let sample = &record.sample;
+        let turns = record.apart == Some(Apart::Reversal);
+        if turns && half_s < 3.0 * sample.time_sigma_s.max(f64::MIN_POSITIVE) {
+            continue;
+        }
+        let at = |later_s: f64| {
+            let then = alignment.later(sample, later_s);
+            scene.model.situation(&then.pose, &then.motion, run.mounting)
+        };
+        way.angle_rad.push(*angle_rad);
+        way.read_mm.push(*read_mm);
+        way.seen.push(if turns {
+            let share = |k: u32| (2.0 * f64::from(k) + 1.0) / f64::from(MOMENTS) - 1.0;
+            (0..MOMENTS).map(|k| at(share(k) * half_s)).collect()
+        } else {
+            vec![scene.model.situation(&sample.pose, &sample.motion, run.mounting)]
+        });
+    }
+    way
+}
