@@ -93,10 +93,13 @@ impl Pass {
             },
         };
         pass.driven(run, section)?;
+        // A mean that reaches beyond the end of the arc is of the feed-in too.
+        let half_s = if alignment.averaged > 1 { 0.5 * alignment.sample_period_s } else { 0.0 };
         for (number, record) in records {
             let sample = &record.sample;
             let unknown = record.apart == Some(Apart::TimeUnknown);
-            if !section.is_data(sample.program_s) || unknown {
+            let whole = [-half_s, half_s].iter().all(|s| section.is_data(sample.program_s + s));
+            if !whole || unknown {
                 continue;
             }
             if record.rejected() {
