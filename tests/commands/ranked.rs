@@ -300,6 +300,7 @@ fn the_table_of_a_measured_plane_is_what_was_put_in() {
         // The servo mismatch makes most of it, and a spike beside the extremes nothing.
         assert_eq!(features(test)[0]["feature"].as_str(), Some("servo mismatch XY"));
         assert!(number(named(test, "reversal spike Y"), "fall_um").abs() < 0.05);
-        assert!(number(test, "left_um") < 1.0, "{test:#}");
+        // Times are known to 2.5 ms: a mean over 20 ms across a reversal to a part of its step.
+        assert!(number(test, "left_um") < 2.5, "{test:#}");
     }
 }
