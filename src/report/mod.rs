@@ -31,14 +31,16 @@ mod ranked;
 mod text;
 
 pub use analysis::facts::{
-    Analysis, ArcResult, BallBarFacts, Before, Correlation, FeedOverride, MachineFacts, MarkResult,
-    MountingFacts, NoiseResult, ParameterResult, PauseResult, Pivots, RejectedSample, RepeatResult,
-    RunResult, SampleCounts, TestFacts,
+    Analysis, BallBarFacts, Before, Correlation, MachineFacts, MountingFacts, NoiseResult,
+    ParameterResult, Pivots, RepeatResult, TestFacts,
 };
 pub use analysis::html;
 pub use analysis::machine_errors::{Hysteresis, MachineErrors, Reversal, Scale, Squareness};
 pub use analysis::means::MeanResult;
 pub use analysis::place::PlaceResult;
+pub use analysis::run_facts::{
+    ArcResult, FeedOverride, MarkResult, PauseResult, RejectedSample, RunResult, SampleCounts,
+};
 pub use analysis::samples::{write_aligned, write_samples};
 pub use analysis::shown::Shown;
 pub use analysis::terminal::{place_text, runs_table, summary};

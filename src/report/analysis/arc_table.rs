@@ -1,6 +1,7 @@
 //! The table of arcs of the report.
 
-use super::facts::{Analysis, ArcResult, RepeatResult};
+use super::facts::{Analysis, RepeatResult};
+use super::run_facts::ArcResult;
 use crate::report::text::numbers::{count, fixed, signed, typeset};
 
 /// A row of the table of arcs: the first run that drove it, and all of them.

@@ -1,9 +1,10 @@
 //! What the model said before anything was found, beside what it says with what was found.
 
-use super::facts::{Analysis, Before, RepeatResult, RunResult};
+use super::facts::{Analysis, Before, RepeatResult};
 use super::machine_errors::MachineErrors;
 use super::means::MeanResult;
 use super::place::PlaceResult;
+use super::run_facts::RunResult;
 use crate::diagnose::{Diagnosis, ExtendedModel, Finding};
 use crate::identify::Campaign;
 use crate::machine::Machine;

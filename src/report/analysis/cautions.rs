@@ -1,7 +1,8 @@
 //! What a reader should know before he believes the numbers.
 
-use super::facts::{Analysis, RunResult};
+use super::facts::Analysis;
 use super::place::PlaceResult;
+use super::run_facts::RunResult;
 use crate::report::text::numbers::{fixed, many};
 use crate::report::text::words::list;
 

@@ -2,11 +2,13 @@
 
 use super::control::ControlResult;
 use super::facts::{
-    Analysis, ArcResult, BallBarFacts, Correlation, FeedOverride, MachineFacts, MarkResult,
-    MountingFacts, NoiseResult, ParameterResult, PauseResult, Pivots, RejectedSample, RepeatResult,
-    RunResult, SampleCounts, TestFacts,
+    Analysis, BallBarFacts, Correlation, MachineFacts, MountingFacts, NoiseResult, ParameterResult,
+    Pivots, RepeatResult, TestFacts,
 };
 use super::machine_errors::MachineErrors;
+use super::run_facts::{
+    ArcResult, FeedOverride, MarkResult, PauseResult, RejectedSample, RunResult, SampleCounts,
+};
 use super::{cautions, means, place};
 use crate::align::{Mark, MarkKind, TimeMap};
 use crate::identify::{self, Campaign, Estimate, Identification, IdentifiedRun, Record};

@@ -3,9 +3,10 @@
 use std::fmt::Write as _;
 
 use super::cautions::DETERMINED;
-use super::facts::{Analysis, RunResult};
+use super::facts::Analysis;
 use super::machine_errors::MachineErrors;
 use super::means::MeanResult;
+use super::run_facts::RunResult;
 use super::{place, record, verdict};
 use crate::report::text::layout::{paragraph, table};
 use crate::report::text::numbers::{fixed, signed};

@@ -3,7 +3,8 @@
 use super::figure::Figure;
 use crate::align::{Mark, MarkKind};
 use crate::identify::{Identification, IdentifiedRun};
-use crate::report::analysis::facts::{Analysis, BallBarFacts, RunResult};
+use crate::report::analysis::facts::{Analysis, BallBarFacts};
+use crate::report::analysis::run_facts::RunResult;
 use crate::report::draw::chart::{Axis, Chart};
 use crate::report::draw::svg::{Anchor, Drawing, text_width, thinned};
 use crate::report::draw::ticks::ticks;
