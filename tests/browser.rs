@@ -12,6 +12,7 @@ const INSPECTION: &str = r#"
 <script>
 addEventListener("load", () => {
   const findings = [];
+  document.querySelectorAll("details").forEach(fold => { fold.open = true; });
   const root = document.documentElement;
   if (root.scrollWidth > innerWidth + 1) findings.push(`wider than the window: ${root.scrollWidth} > ${innerWidth}`);
   const drawings = [...document.querySelectorAll("svg")];
@@ -76,7 +77,10 @@ fn browse(chromium: &Path, arguments: &[&str], page: &Path) -> Vec<u8> {
 fn inspected(chromium: &Path, report: &Path, window: &str) -> serde_json::Value {
     let source = std::fs::read_to_string(report).unwrap();
     let page = report.with_file_name(format!("inspected-{window}.html"));
-    std::fs::write(&page, source.replacen("</body>", &format!("{INSPECTION}</body>"), 1)).unwrap();
+    // The policy would not let another script run; without it, requests would really be made.
+    let (before, after) = source.split_once("</body>").unwrap();
+    let before = without_policy(before);
+    std::fs::write(&page, format!("{before}{INSPECTION}</body>{after}")).unwrap();
     let size = format!("--window-size={window},2000");
     let dom = browse(chromium, &["--dump-dom", "--virtual-time-budget=20000", &size], &page);
     let dom = String::from_utf8(dom).unwrap();
@@ -84,6 +88,59 @@ fn inspected(chromium: &Path, report: &Path, window: &str) -> serde_json::Value 
     let text = rest.split_once("</pre>").unwrap().0;
     let text = text.replace("&gt;", ">").replace("&lt;", "<").replace("&amp;", "&");
     serde_json::from_str(&text).unwrap()
+}
+
+/// The page without its content security policy.
+fn without_policy(page: &str) -> String {
+    let policies = |line: &&str| !line.starts_with("<meta http-equiv=\"Content-Security-Policy\"");
+    page.split_inclusive('\n').filter(policies).collect()
+}
+
+/// How many sheets a page prints on.
+fn sheets(chromium: &Path, page: &Path) -> usize {
+    let pdf = page.with_extension("pdf");
+    let print = format!("--print-to-pdf={}", pdf.display());
+    browse(chromium, &[&print, "--no-pdf-header-footer"], page);
+    let pages = std::fs::read(&pdf).unwrap();
+    // A file has one `/Type /Pages`, the list of them.
+    let is_sheet = |window: &&[u8]| window.starts_with(b"/Type /Page") && window[11] != b's';
+    pages.windows(12).filter(is_sheet).count()
+}
+
+/// Page one of a report is one sheet, and the rest begins on the next.
+fn check_page_one(chromium: &Path, report: &Path) {
+    let source = std::fs::read_to_string(report).unwrap();
+    let (head, rest) = source.split_once("<section id=\"page-one\">").unwrap();
+    let (front, rest) = rest.split_once("</section>").unwrap();
+    let alone = report.with_file_name("page-one.html");
+    std::fs::write(
+        &alone,
+        format!("{head}<section id=\"page-one\">{front}</section></body></html>"),
+    )
+    .unwrap();
+    assert_eq!(sheets(chromium, &alone), 1, "page one of {}", report.display());
+    let others = report.with_file_name("others.html");
+    std::fs::write(&others, format!("{head}{rest}")).unwrap();
+    let (all, others) = (sheets(chromium, report), sheets(chromium, &others));
+    assert_eq!(all, 1 + others, "{}: page one and the rest", report.display());
+}
+
+/// The page as it is, under its own policy: its script ran, and the policy found nothing to complain of.
+fn check_live(chromium: &Path, report: &Path) {
+    let log = ["--dump-dom", "--enable-logging=stderr", "--v=0", "--virtual-time-budget=20000"];
+    let profile = tempfile::tempdir().unwrap();
+    let output = Command::new(chromium)
+        .args(["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run"])
+        .arg(format!("--user-data-dir={}", profile.path().display()))
+        .args(log)
+        .arg(format!("file://{}", report.display()))
+        .output()
+        .unwrap();
+    let (dom, said) =
+        (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(dom.contains("<html lang=\"en\" class=\"live\">"), "the script did not run: {said}");
+    let complaints: Vec<&str> = said.lines().filter(|line| line.contains("CONSOLE")).collect();
+    assert!(complaints.is_empty(), "{complaints:#?}");
 }
 
 /// Runs the binary; results go to the directory.
@@ -98,11 +155,18 @@ fn ballbar(arguments: &[&str], results: &Path) {
     assert!(status.success());
 }
 
-/// The page fits at two widths, shows so many drawings and tables at the least, and prints on so many
+/// The page fits at some widths, shows so many drawings and tables at the least, and prints on so many
 /// pages at the most.
-fn check(chromium: &Path, page: &Path, drawings: u64, tables: u64, most_pages: usize) {
+fn check(
+    chromium: &Path,
+    page: &Path,
+    windows: &[&str],
+    drawings: u64,
+    tables: u64,
+    most_pages: usize,
+) {
     let name = page.display();
-    for window in ["1200", "900"] {
+    for window in windows {
         let found = inspected(chromium, page, window);
         let findings = found["findings"].as_array().unwrap();
         assert!(findings.is_empty(), "{name} at {window}: {findings:#?}");
@@ -110,11 +174,7 @@ fn check(chromium: &Path, page: &Path, drawings: u64, tables: u64, most_pages: u
         assert!(found["drawings"].as_u64().unwrap() >= drawings, "{found}");
         assert!(found["tables"].as_u64().unwrap() >= tables, "{found}");
     }
-    let pdf = page.with_extension("pdf");
-    let print = format!("--print-to-pdf={}", pdf.display());
-    browse(chromium, &[&print, "--no-pdf-header-footer"], page);
-    let pages = std::fs::read(&pdf).unwrap();
-    let pages = pages.windows(11).filter(|window| window.starts_with(b"/Type /Page")).count();
+    let pages = sheets(chromium, page);
     assert!((3..most_pages).contains(&pages), "{name}: {pages} pages");
 }
 
@@ -130,7 +190,10 @@ fn the_reports_fit_a_screen_and_print() {
         let test = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(set);
         ballbar(&["analyse", test.join("test.toml").to_str().unwrap()], work.path());
         // A polar plot for each circle, two alignment pictures a run, and the residuals.
-        check(&chromium, &work.path().join("report.html"), circles + 6, 3, 60);
+        let report = work.path().join("report.html");
+        check(&chromium, &report, &["1280", "900", "400"], circles + 6, 3, 60);
+        check_page_one(&chromium, &report);
+        check_live(&chromium, &report);
     }
 }
 
@@ -174,5 +237,5 @@ fn the_plans_fit_a_screen_and_print() {
     let (many, places) = (many.to_str().unwrap(), places.to_str().unwrap());
     ballbar(&["plan", many, places, "--repeats", "3"], work.path());
     // Of each: spheres, travel, time, at least one set of maps with its scale.
-    check(&chromium, &work.path().join("plan.html"), 4 + 2 * (2 + 4), 15, 30);
+    check(&chromium, &work.path().join("plan.html"), &["1200", "900"], 4 + 2 * (2 + 4), 15, 30);
 }

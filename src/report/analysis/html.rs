@@ -1,23 +1,38 @@
-//! The report: one self-contained HTML file, without script, without network, for screen and paper.
+//! The report: one self-contained HTML file for screen and paper, page one first, all else folded below it.
+//!
+//! It loads nothing: its content security policy allows the style and the script that stand in it, by their hashes, and
+//! nothing else. Without the script everything is there; with it plots can be asked and changed.
 
 use askama::Template;
 
 use super::arc_table::{self, ArcRow};
 use super::facts::Analysis;
 use super::figures::{self, Figure, RunPicture};
+use super::front;
 use super::record;
 use super::shown::Shown;
 use super::tables::{self, CoefficientRow};
 use super::{place, run_tables, traces, verdict};
 use crate::error::{Error, Kind, Result};
+use crate::report::text::filters;
 use crate::report::text::numbers::fixed;
+use crate::report::text::policy::policy;
 use crate::report::text::words::{fine, list};
 use crate::report::{circular, diagnosis, ranked};
+
+/// The style sheet and the script of the report.
+const STYLE: &str = include_str!("../../../templates/report.css");
+const SCRIPT: &str = include_str!("../../../templates/report.js");
 
 #[allow(clippy::struct_excessive_bools)] // what a page shows or not
 #[derive(Template)]
 #[template(path = "report.html")]
 struct Page<'a> {
+    policy: String,
+    style: &'static str,
+    script: &'static str,
+    front: String,
+    contents: Vec<(&'static str, &'static str)>,
     analysis: &'a Analysis,
     verdict: Vec<String>,
     circular: String,
@@ -65,10 +80,18 @@ pub fn render(analysis: &Analysis, shown: Shown) -> Result<String> {
     // The gravest of what the model gets wrong is part of the verdict.
     let wrong = analysis.diagnosis.iter().map(|diagnosis| &diagnosis.verdict.structure);
     let diagnosis = analysis.diagnosis.as_ref().map(diagnosis::html::section).transpose()?;
+    let ways = traces::ways(&circles);
+    let circular = circular::html::section(&analysis.circular)?;
+    let ranked = ranked::html::section(&analysis.ranking)?;
     let page = Page {
+        policy: policy(STYLE, SCRIPT),
+        style: STYLE,
+        script: SCRIPT,
+        front: front::section(analysis, &circles, &before, ways)?,
+        contents: contents(analysis, !circular.is_empty(), !ranked.is_empty()),
         verdict: verdict::of(analysis).iter().chain(wrong).map(|line| fine(line)).collect(),
-        circular: circular::html::section(&analysis.circular)?,
-        ranked: ranked::html::section(&analysis.ranking)?,
+        circular,
+        ranked,
         diagnosis: diagnosis.unwrap_or_default(),
         facts: facts(analysis),
         coefficients: tables::coefficients(analysis),
@@ -91,7 +114,7 @@ pub fn render(analysis: &Analysis, shown: Shown) -> Result<String> {
         pictures: figures::runs(analysis, identifications),
         polar,
         magnification,
-        ways: traces::ways(&circles),
+        ways,
         set_up_taken_off: traces::set_up_taken_off(analysis, identifications),
         hysteresis: figures::hysteresis(analysis),
         over_time: figures::against_time(analysis, shown),
@@ -102,6 +125,29 @@ pub fn render(analysis: &Analysis, shown: Shown) -> Result<String> {
     page.render().map_err(|error| {
         Error::new(Kind::Output, format!("the report cannot be rendered: {error}"))
     })
+}
+
+/// The sections below page one.
+fn contents(analysis: &Analysis, circular: bool, ranked: bool) -> Vec<(&'static str, &'static str)> {
+    let machine = if analysis.is_local() {
+        "The machine at the place of the test"
+    } else {
+        "Errors of the machine"
+    };
+    let all = [
+        (true, ("test", "The test")),
+        (!analysis.cautions.is_empty(), ("cautions", "Cautions")),
+        (circular, ("circular", "Circular tests as in ISO 230-4")),
+        (ranked, ("repair", "What to repair")),
+        (analysis.diagnosis.is_some(), ("found", "What the model gets wrong")),
+        (true, ("machine", machine)),
+        (true, ("circles", "Deviations on the circles")),
+        (true, ("coefficients", "Coefficients")),
+        (true, ("alignment", "Alignment of the logs")),
+        (true, ("residuals", "Residuals")),
+        (true, ("meaning", "What the numbers mean")),
+    ];
+    all.into_iter().filter_map(|(there, section)| there.then_some(section)).collect()
 }
 
 fn facts(analysis: &Analysis) -> Vec<(&'static str, String)> {
@@ -150,10 +196,11 @@ mod tests {
     /// Elements that HTML knows without an end.
     const VOID: [&str; 2] = ["meta", "!DOCTYPE"];
 
-    /// Every tag that is opened is closed, in order.
+    /// Every tag that is opened is closed, in order; style and script are no HTML.
     fn check_balanced(html: &str) {
         let mut open: Vec<&str> = Vec::new();
-        let mut rest = html;
+        let html = html.replace(STYLE, "").replace(SCRIPT, "");
+        let mut rest = html.as_str();
         while let Some(start) = rest.find('<') {
             rest = &rest[start + 1..];
             let tag = &rest[..rest.find('>').unwrap()];
@@ -177,13 +224,38 @@ mod tests {
                 if set == "case-a" { fixture::diagnosed() } else { fixture::identified(set) };
             let html = render(&fixture.analysis, fixture.shown()).unwrap();
             check_balanced(&html);
-            for part in ["http", "<script", "src=", "href=", "NaN", "url("] {
+            for part in ["http:", "https:", "src=", "href=\"h", "NaN", "url(", "style=", "@import"]
+            {
                 assert!(!html.contains(part), "{set}: {part}");
+            }
+            assert_eq!(html.matches("<script").count(), 1, "{set}");
+            for link in html.split("href=\"").skip(1) {
+                let to = link.split('"').next().unwrap().strip_prefix('#').unwrap();
+                assert_eq!(html.matches(&format!("id=\"{to}\"")).count(), 1, "{set}: {to}");
+            }
+            for (id, title) in contents(&fixture.analysis, true) {
+                let section =
+                    format!("<h2>{title}</h2></summary>\n<div class=\"section\" id=\"{id}\">");
+                assert_eq!(html.matches(&section).count(), 1, "{set}: {id}");
             }
             assert!(html.len() < MOST_BYTES, "{set}: {} bytes", html.len());
             let again = render(&fixture.analysis, fixture.shown()).unwrap();
             assert!(html == again, "{set}: the same input gives the same bytes");
         }
+    }
+
+    #[test]
+    fn the_script_is_small() {
+        assert!(SCRIPT.len() <= 15_000, "{} bytes", SCRIPT.len());
+    }
+
+    #[test]
+    fn keys_in_messages_are_code() {
+        let fixture = fixture::identified("planar");
+        let html = render(&fixture.analysis, fixture.shown()).unwrap();
+        let text = html.replace(STYLE, "").replace(SCRIPT, "");
+        assert!(text.contains("<code>[tolerance]</code>"));
+        assert!(!text.contains('`'));
     }
 
     #[test]

@@ -3,12 +3,14 @@
 //! [`Analysis`](facts::Analysis) is the one place where numbers are gathered; terminal, JSON and the tables of
 //! the page read it and nothing else. Curves are drawn from the identifications themselves.
 
+mod advice;
 mod arc_table;
 mod before;
 pub(super) mod cautions;
 mod control;
 pub(super) mod facts;
 mod figures;
+mod front;
 pub(super) mod gather;
 pub mod html;
 pub(super) mod machine_errors;
@@ -23,4 +25,5 @@ pub(super) mod shown;
 mod tables;
 pub(super) mod terminal;
 mod traces;
+mod uncertain;
 mod verdict;

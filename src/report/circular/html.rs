@@ -2,10 +2,11 @@
 
 use askama::Template;
 
-use super::facts::{CircularFacts, CircularResult, CircularValue, WayResult};
+use super::facts::{CircularFacts, CircularResult, CircularValue, ConformityItem, WayResult};
 use super::terminal;
-use super::words::{test_name, worst_repeats};
+use super::words::{size_um, test_name, worst_repeats};
 use crate::error::{Error, Kind, Result};
+use crate::report::text::filters;
 use crate::report::text::numbers::{count, fixed, signed, typeset};
 use crate::report::text::words::fine;
 
@@ -42,6 +43,69 @@ pub(in crate::report) fn section(facts: &CircularFacts) -> Result<String> {
     section.render().map_err(|error| {
         Error::new(Kind::Output, format!("the circular tests cannot be rendered: {error}"))
     })
+}
+
+/// The tests as page one has them.
+pub(in crate::report) struct InShort {
+    /// What the two directions are called.
+    pub(in crate::report) ways: [&'static str; 2],
+    /// Test, G of each way, G(b), H, D; the largest first.
+    pub(in crate::report) rows: Vec<[String; 6]>,
+    /// So many others.
+    pub(in crate::report) more: usize,
+}
+
+/// The tests with the largest deviations.
+pub(in crate::report) fn in_short(facts: &CircularFacts, most: usize) -> InShort {
+    let mut shown = worst_repeats(&facts.tests);
+    shown.sort_by(|a, b| size_um(b).total_cmp(&size_um(a)));
+    let ways = terminal::ways(&shown);
+    let value = |of: Option<CircularValue>| of.map_or_else(none, |of| fixed(of.value_um, 2));
+    let rows = shown.iter().take(most).map(|test| {
+        let way = |name: &str| {
+            let way = test.ways.iter().find(|way| way.direction == name);
+            value(way.map(|way| way.circular_deviation))
+        };
+        let mean = test.mean_bidirectional_radial_deviation;
+        [
+            test_name(test),
+            way(ways[0]),
+            way(ways[1]),
+            value(test.bidirectional_circular_deviation),
+            value(test.circular_hysteresis),
+            mean.map_or_else(none, |of| typeset(&signed(of.value_um, 2))),
+        ]
+    });
+    InShort { ways, rows: rows.collect(), more: shown.len().saturating_sub(most) }
+}
+
+/// The largest circular deviation: which, and how large, um.
+pub(in crate::report) fn largest(facts: &CircularFacts) -> Option<(String, f64)> {
+    let worst = largest_test(facts)?;
+    let name = if worst.bidirectional_circular_deviation.is_some() { "G(b)" } else { "G" };
+    Some((format!("{name} of {}", test_name(worst)), size_um(worst)))
+}
+
+/// The circle that has it.
+pub(in crate::report) fn largest_circle(facts: &CircularFacts) -> Option<&str> {
+    largest_test(facts).map(|test| test.circle.as_str())
+}
+
+fn largest_test(facts: &CircularFacts) -> Option<&CircularResult> {
+    facts.tests.iter().max_by(|a, b| size_um(a).total_cmp(&size_um(b)))
+}
+
+/// What tolerances say, the gravest first.
+pub(in crate::report) fn judged(facts: &CircularFacts, most: usize) -> Vec<[String; 4]> {
+    let mut items: Vec<&ConformityItem> =
+        facts.conformity.iter().flat_map(|of| &of.items).collect();
+    items.sort_by_key(|item| std::cmp::Reverse(item.verdict));
+    let rows = items.into_iter().take(most);
+    let cells = rows.map(|item| {
+        let [name, value, _, verdict] = terminal::judged(item).map(|cell| fine(&cell));
+        [name, value, fixed(item.limit, 2), verdict]
+    });
+    cells.collect()
 }
 
 fn of_way(test: &CircularResult, way: &WayResult) -> [String; 9] {

@@ -12,14 +12,11 @@ use crate::report::text::words::list;
 pub(in crate::report) fn text(facts: &CircularFacts) -> String {
     let mut text = String::new();
     let shown = worst_repeats(&facts.tests);
-    if let Some(first) = shown.first() {
+    if !shown.is_empty() {
         text.push_str(
             "\nCircular tests as in ISO 230-4 (um; minimum zone, in brackets least squares)\n",
         );
-        let ways = match first.ways.first().map(|way| way.direction) {
-            Some("CCW" | "CW") => ["CCW", "CW"],
-            _ => ["forward", "backward"],
-        };
+        let ways = ways(&shown);
         let [one, other] = ways.map(|way| format!("G {way}"));
         let head = ["", &one, &other, "G(b)", "H", "D", "F max", "F min"];
         let mut rows = vec![head.map(str::to_owned).to_vec()];
@@ -37,6 +34,14 @@ pub(in crate::report) fn text(facts: &CircularFacts) -> String {
         paragraph(&mut text, "  ", &format!("{}.", conformity.rule));
     }
     text
+}
+
+/// What the two directions are called.
+pub(super) fn ways(shown: &[&CircularResult]) -> [&'static str; 2] {
+    match shown.iter().flat_map(|test| &test.ways).next().map(|way| way.direction) {
+        Some("CCW" | "CW") => ["CCW", "CW"],
+        _ => ["forward", "backward"],
+    }
 }
 
 fn row(test: &CircularResult, ways: [&str; 2]) -> Vec<String> {

@@ -5,6 +5,7 @@ use askama::Template;
 use super::facts::{DiagnosisFacts, FindingFacts};
 use super::{figures, terminal};
 use crate::error::{Error, Kind, Result};
+use crate::report::text::filters;
 use crate::report::text::numbers::{fixed, percent, share, typeset};
 use crate::report::text::units::{engineering, row_decimals};
 use crate::report::text::words::fine;

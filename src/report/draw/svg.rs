@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use crate::report::text::markup::escaped;
 use crate::report::text::numbers::fixed;
 
 /// Where a text is held.
@@ -140,7 +141,7 @@ impl Drawing {
     pub(in crate::report) fn finish(self, told: &str) -> String {
         let (width, height) = (fixed(self.width, 0), fixed(self.height, 0));
         format!(
-            r#"<svg style="width:{width}px" viewBox="0 0 {width} {height}" role="img" aria-label="{}">{}</svg>"#,
+            r#"<svg width="{width}" viewBox="0 0 {width} {height}" role="img" aria-label="{}">{}</svg>"#,
             escaped(told),
             self.body
         )
@@ -151,11 +152,6 @@ impl Drawing {
 fn pixels(value: f64) -> String {
     let text = fixed(value, 1);
     text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
-}
-
-/// Text as XML.
-pub(in crate::report) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// Width that a text of the small size takes at most, pixels.

@@ -1,0 +1,185 @@
+//! What to do: two sentences of what was found, the one that matters most on a circle first.
+
+use super::facts::Analysis;
+use super::place::{self, PlaceResult};
+use crate::report::circular::facts::Verdict;
+use crate::report::diagnosis::facts::FindingFacts;
+use crate::report::text::numbers::{decimals, fixed, signed, typeset};
+use crate::report::text::words::{capital, fine};
+
+/// Nobody repairs what moves the reading by less, um: the bar itself is not known better.
+const WORTH_REPAIR_UM: f64 = 1.0;
+/// A quantity is there where it is so many of its standard deviations.
+const THERE: f64 = 2.0;
+/// From highest to lowest of a sine, in root mean squares.
+const RANGE_OF_RMS: f64 = 2.83;
+/// So many sentences.
+const SENTENCES: usize = 2;
+
+/// What people ask, the first word of its name, and what is done about it.
+const REMEDIES: [(&str, &str); 6] = [
+    (
+        "scale",
+        "correct the scale in the control (pitch error compensation), after the machine has had time to warm up",
+    ),
+    (
+        "squareness",
+        "align the guideways, or enter it in the squareness compensation of the control",
+    ),
+    (
+        "reversal",
+        "check nut, coupling and bearings of the drive; what is left is for the backlash compensation of the control",
+    ),
+    (
+        "lateral",
+        "adjust the gibs or the preload of the guideways; no compensation of backlash removes it",
+    ),
+    ("positioning", "enter it in the pitch error compensation of the axis"),
+    (
+        "straightness",
+        "level the machine and align the guideways; straightness compensation where the control has it",
+    ),
+];
+
+/// Something that can be repaired.
+struct Lever {
+    /// By how much it moves the reading on a circle, from highest to lowest, um.
+    size_um: f64,
+    sentence: String,
+}
+
+/// By how much a quantity moves the reading on the circle of the test, um; `None` of rotations, which depend on the place.
+pub(super) fn size_um(of: &PlaceResult, radius_mm: f64) -> Option<f64> {
+    match of.unit {
+        "um" => Some(of.value.abs()),
+        "um/m" => Some(of.value.abs() * radius_mm * 1e-3),
+        _ => None,
+    }
+}
+
+/// The radius at which quantities are compared, mm: that of the longest bar.
+pub(super) fn radius_mm(analysis: &Analysis) -> f64 {
+    analysis.test.mountings.iter().map(|of| of.bar_length_mm).fold(0.0, f64::max)
+}
+
+/// Whether a quantity stands out of all that is not known of it.
+pub(super) fn is_there(of: &PlaceResult) -> bool {
+    of.value.abs() > THERE * of.all.or(of.noise).unwrap_or(f64::INFINITY)
+}
+
+/// What to do, in sentences.
+pub(super) fn of(analysis: &Analysis) -> Vec<String> {
+    let diagnosis = analysis.diagnosis.as_ref();
+    // What the files state wrong is neither repaired nor compensated, and comes before all else.
+    let stated = diagnosis.iter().flat_map(|of| &of.verdict.wrong_settings).cloned();
+    let stated = stated.chain(diagnosis.iter().flat_map(|of| &of.verdict.off_times).cloned());
+    let mut sentences: Vec<String> = stated.take(1).map(|sentence| fine(&sentence)).collect();
+    let kept = analysis.circular.conformity.as_ref().map(|of| of.verdict == Verdict::Pass);
+    let mut levers = two_levers(analysis);
+    if kept == Some(true) {
+        sentences
+            .push("Nothing has to be repaired: every tolerance of the test file is kept.".into());
+        if let Some(largest) = levers.first() {
+            sentences.push(format!("To become better still: {}", largest.sentence));
+        }
+    } else if levers.is_empty() && sentences.is_empty() {
+        sentences.push(if kept.is_none() {
+            format!("Nothing to repair: nothing that is certain moves the reading by more than {} µm.", fixed(WORTH_REPAIR_UM, 0))
+        } else {
+            "No single cause stands out of what this test leaves open: measure again, or in a way that tells more.".into()
+        });
+    } else {
+        sentences.extend(levers.drain(..).map(|lever| lever.sentence));
+    }
+    sentences.truncate(SENTENCES);
+    sentences
+}
+
+/// The largest cause that was named and the largest quantity, or two of one where there is none of the other; the larger
+/// first.
+fn two_levers(analysis: &Analysis) -> Vec<Lever> {
+    let named = analysis.diagnosis.iter().flat_map(|of| &of.findings).filter(|of| of.named);
+    let mut causes: Vec<Lever> = named.map(cause).collect();
+    let radius_mm = radius_mm(analysis);
+    let (seen, _) = place::seen(&analysis.at_the_place);
+    let mut quantities: Vec<Lever> = seen
+        .into_iter()
+        .filter(|of| is_there(of))
+        .filter_map(|of| quantity(of, radius_mm))
+        .filter(|lever| lever.size_um >= WORTH_REPAIR_UM)
+        .collect();
+    let by_size = |a: &Lever, b: &Lever| b.size_um.total_cmp(&a.size_um);
+    causes.sort_by(by_size);
+    quantities.sort_by(by_size);
+    let of_causes = if quantities.is_empty() { SENTENCES } else { 1 };
+    causes.truncate(of_causes);
+    quantities.truncate(SENTENCES - causes.len());
+    causes.append(&mut quantities);
+    causes.sort_by(by_size);
+    causes
+}
+
+fn cause(of: &FindingFacts) -> Lever {
+    let rms_um = of.rms_mm * 1e3;
+    Lever {
+        size_um: RANGE_OF_RMS * rms_um,
+        sentence: format!("{} ({} µm rms): {}.", of.title, fixed(rms_um, 2), of.remedy),
+    }
+}
+
+fn quantity(of: &PlaceResult, radius_mm: f64) -> Option<Lever> {
+    let kind = of.quantity.split(' ').next()?;
+    let (_, remedy) = REMEDIES.iter().find(|(word, _)| *word == kind)?;
+    let size_um = size_um(of, radius_mm)?;
+    let value = typeset(&signed(of.value, decimals(of.value, 3).min(3)));
+    let on_the_circle = if of.unit == "um" {
+        String::new()
+    } else {
+        format!(", {} µm at {} mm", fixed(size_um, 1), fixed(radius_mm, 0))
+    };
+    let sentence = format!(
+        "{} ({}{on_the_circle}): {remedy}.",
+        capital(&of.quantity),
+        fine(&format!("{value} {}", of.unit))
+    );
+    Some(Lever { size_um, sentence })
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::report::fixture;
+
+    #[test]
+    fn a_cause_and_the_largest_quantity_are_told_the_larger_first() {
+        let told = of(&fixture::diagnosed().analysis);
+        assert_eq!(told.len(), 2, "{told:?}");
+        let findings = &fixture::diagnosed().analysis.diagnosis.as_ref().unwrap().findings;
+        let largest = findings.iter().find(|of| of.named).unwrap();
+        let with_remedy =
+            |of: &&String| of.starts_with(&largest.title) && of.contains(largest.remedy);
+        assert_eq!(told.iter().filter(with_remedy).count(), 1, "{told:?}");
+        assert!(told.iter().any(|of| REMEDIES.iter().any(|(_, to_do)| of.contains(to_do))));
+    }
+
+    #[test]
+    fn what_is_small_or_not_known_is_not_repaired() {
+        let mut analysis = fixture::identified("planar").analysis.clone();
+        let keep = |value: f64, sigma: f64, analysis: &mut crate::report::Analysis| {
+            analysis.at_the_place.retain(|of| of.quantity == "reversal X");
+            let of = &mut analysis.at_the_place[0];
+            (of.value, of.noise, of.all) = (value, Some(sigma), None);
+        };
+        for (value, sigma, told) in [
+            (0.9, 0.1, "Nothing to repair"),
+            (9.0, 5.0, "Nothing to repair"),
+            (-9.0, 0.1, "Reversal X (−9.00 µm)"),
+        ] {
+            keep(value, sigma, &mut analysis);
+            let sentences = of(&analysis);
+            assert!(sentences[0].starts_with(told), "{sentences:?}");
+            assert_eq!(sentences.len(), 1);
+        }
+    }
+}
