@@ -48,6 +48,71 @@ addEventListener("load", () => {
 </script>
 "#;
 
+/// What plots answer when they are asked and changed, as JSON in the page's own text.
+const PROBE: &str = r##"
+<script>
+addEventListener("load", () => {
+  const answer = {};
+  const tools = document.querySelector(".plots .tools");
+  const svg = document.querySelector(".plots svg[data-circle]");
+  const curves = () => [...svg.querySelectorAll(".curves polyline")].map(line => line.getAttribute("points"));
+  const rings = () => [...svg.querySelectorAll("text.halo")].map(text => Number(text.textContent.replace("\u2212", "-")));
+  const printed = [curves(), rings(), document.querySelector(".scale").textContent];
+  const choose = times => {
+    const choice = tools.querySelector("select");
+    choice.value = times;
+    choice.dispatchEvent(new Event("change"));
+  };
+  choose(2);
+  answer.rings_halved = rings().every((um, k) => Math.abs(um - printed[1][k] / 2) < 0.051);
+  answer.magnified = curves()[0] !== printed[0][0] && document.querySelector(".scale").textContent !== printed[2];
+  choose(1);
+  answer.as_printed = JSON.stringify([curves(), rings(), document.querySelector(".scale").textContent]) === JSON.stringify(printed);
+  const box = words => [...tools.querySelectorAll("label")].find(label => label.textContent.trim() === words)?.querySelector("input");
+  const ways = document.querySelector(".plots").dataset.ways.split(" ");
+  box(ways[1]).click();
+  answer.one_way = svg.querySelectorAll(".curves .forward").length > 0 && svg.querySelectorAll(".curves .backward").length === 0;
+  box(ways[1]).click();
+  box("run1").click();
+  answer.fewer_runs = svg.querySelectorAll(".curves .measured, .curves .faint").length < printed[0].length;
+  answer.others_follow = !document.querySelectorAll("#circles .tools input[type=checkbox]")[2].checked;
+  box("run1").click();
+  const causes = [...tools.querySelectorAll("div")].find(row => row.textContent.startsWith("As if repaired"));
+  answer.causes = causes ? causes.querySelectorAll("input").length : 0;
+  if (causes) {
+    causes.querySelector("input").click();
+    answer.repaired = causes.querySelector("output").textContent;
+    answer.moved = curves()[0] !== printed[0][0];
+    causes.querySelector("input").click();
+  }
+  const ask = (plot, x, y) => {
+    plot.scrollIntoView();
+    const frame = plot.getBoundingClientRect();
+    const at = { clientX: frame.left + x * frame.width, clientY: frame.top + y * frame.height, bubbles: true };
+    plot.dispatchEvent(new PointerEvent("pointermove", at));
+    return document.getElementById("tip").hidden ? "" : document.getElementById("tip").textContent;
+  };
+  const [px, py] = printed[0][0].split(" ")[9].split(",").map(Number);
+  answer.told = ask(svg, px / svg.viewBox.baseVal.width, py / svg.viewBox.baseVal.height);
+  location.hash = "#residuals";
+  const ball = document.querySelector(".sphere svg");
+  if (ball) {
+    ball.closest("details").open = true;
+    const before = ball.querySelector(".curves").innerHTML;
+    ball.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowLeft" }));
+    answer.turned = ball.querySelector(".curves").innerHTML !== before;
+  }
+  setTimeout(() => {
+    answer.opened = document.getElementById("residuals").closest("details").open;
+    const pre = document.createElement("pre");
+    pre.id = "inspection";
+    pre.textContent = JSON.stringify(answer);
+    document.body.append(pre);
+  }, 200);
+});
+</script>
+"##;
+
 fn chromium() -> Option<PathBuf> {
     let found = ["chromium", "chromium-browser", "google-chrome"]
         .into_iter()
@@ -74,13 +139,13 @@ fn browse(chromium: &Path, arguments: &[&str], page: &Path) -> Vec<u8> {
     output.stdout
 }
 
-fn inspected(chromium: &Path, report: &Path, window: &str) -> serde_json::Value {
+fn inspected(chromium: &Path, report: &Path, window: &str, script: &str) -> serde_json::Value {
     let source = std::fs::read_to_string(report).unwrap();
     let page = report.with_file_name(format!("inspected-{window}.html"));
     // The policy would not let another script run; without it, requests would really be made.
     let (before, after) = source.split_once("</body>").unwrap();
     let before = without_policy(before);
-    std::fs::write(&page, format!("{before}{INSPECTION}</body>{after}")).unwrap();
+    std::fs::write(&page, format!("{before}{script}</body>{after}")).unwrap();
     let size = format!("--window-size={window},2000");
     let dom = browse(chromium, &["--dump-dom", "--virtual-time-budget=20000", &size], &page);
     let dom = String::from_utf8(dom).unwrap();
@@ -125,6 +190,36 @@ fn check_page_one(chromium: &Path, report: &Path) {
     assert_eq!(all, 1 + others, "{}: page one and the rest", report.display());
 }
 
+/// Plots tell what is under the pointer, and can be changed; `causes` were named.
+fn check_script(chromium: &Path, report: &Path, causes: bool) {
+    let answer = inspected(chromium, report, "1280", PROBE);
+    let name = report.display();
+    for fact in [
+        "rings_halved",
+        "magnified",
+        "as_printed",
+        "one_way",
+        "fewer_runs",
+        "others_follow",
+        "opened",
+    ] {
+        assert_eq!(answer[fact], true, "{name}: {fact}: {answer:#}");
+    }
+    assert_ne!(answer["turned"], false, "{name}: {answer:#}");
+    let told = answer["told"].as_str().unwrap();
+    assert!(told.contains("run1") && told.contains("°: X ") && told.contains("read "), "{told}");
+    assert_eq!(answer["causes"].as_u64().unwrap() > 0, causes, "{answer:#}");
+    if causes {
+        let repaired = answer["repaired"].as_str().unwrap();
+        let (_, numbers) = repaired.split_once("as it was: ").unwrap();
+        let (before, rest) = numbers.split_once(" → ").unwrap();
+        let after = rest.split_once(" µm").unwrap().0;
+        let [before, after]: [f64; 2] = [before, after].map(|um| um.parse().unwrap());
+        assert!(0.0 < after && after < before, "{repaired}");
+        assert_eq!(answer["moved"], true, "{answer:#}");
+    }
+}
+
 /// The page as it is, under its own policy: its script ran, and the policy found nothing to complain of.
 fn check_live(chromium: &Path, report: &Path) {
     let log = ["--dump-dom", "--enable-logging=stderr", "--v=0", "--virtual-time-budget=20000"];
@@ -167,7 +262,7 @@ fn check(
 ) {
     let name = page.display();
     for window in windows {
-        let found = inspected(chromium, page, window);
+        let found = inspected(chromium, page, window, INSPECTION);
         let findings = found["findings"].as_array().unwrap();
         assert!(findings.is_empty(), "{name} at {window}: {findings:#?}");
         assert!(found["resources"].as_array().unwrap().is_empty(), "no network: {found}");
@@ -194,6 +289,7 @@ fn the_reports_fit_a_screen_and_print() {
         check(&chromium, &report, &["1280", "900", "400"], circles + 6, 3, 60);
         check_page_one(&chromium, &report);
         check_live(&chromium, &report);
+        check_script(&chromium, &report, set == "case-a");
     }
 }
 

@@ -47,6 +47,19 @@ impl Circle {
         angle.rem_euclid(std::f64::consts::TAU)
     }
 
+    /// Directions of its angles 0 and 90 degrees.
+    pub fn directions(&self) -> [Vector3<f64>; 2] {
+        match self {
+            Self::Equator => [Vector3::x(), Vector3::y()],
+            Self::Meridian { azimuth_deg } => {
+                let (sin, cos) = azimuth_deg.to_radians().sin_cos();
+                [Vector3::new(cos, sin, 0.0), Vector3::z()]
+            }
+            Self::Plane(plane) => plane.axes().map(|axis| Vector3::ith(axis, 1.0)),
+            Self::Other { normal, zero } => [*zero, normal.cross(zero)],
+        }
+    }
+
     /// What the report calls it.
     pub fn name(&self) -> String {
         match self {

@@ -120,6 +120,7 @@ impl Identified {
         Shown {
             repeats: extended.map_or(stated, |extended| &extended.campaign.repeats),
             before: extended.map_or(&[], |_| stated),
+            effects: self.diagnosis.as_ref().map_or(&[], |diagnosis| &diagnosis.effects),
         }
     }
 }

@@ -19,6 +19,7 @@ mod thresholds;
 mod views;
 
 pub use account::arcs::ArcShare;
+pub use account::effects::EffectsAt;
 pub use account::gain::{ProgramGain, RunGain};
 pub use account::left_out::LeftOut;
 pub use account::moved::Moved;
@@ -31,7 +32,7 @@ pub use views::feature::Feature;
 pub use views::picture::{Picture, Point};
 pub use views::view::{Bin, Subject, View, ViewKind};
 
-use account::{arcs, gain, moved, numbers, times, unseen};
+use account::{arcs, effects, gain, moved, numbers, times, unseen};
 use choose::found::Chosen;
 use stand::Standing;
 use views::{means, picture, sample, spectra};
@@ -118,6 +119,7 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         let of = |k| picture::picture(residuals, fitted, k, left_mm, noise.long_run_mm2);
         (0..fitted.elements.len()).map(of).collect()
     });
+    let effects = fitted.map_or_else(Vec::new, |fitted| effects::at_readings(residuals, fitted));
     let shown = standing.extended.as_ref().map_or(campaign, |now| &now.campaign);
     let diagnosis = Diagnosis {
         verdict,
@@ -133,6 +135,7 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
         ),
         views: views(residuals, shown, left_mm, noise),
         pictures,
+        effects,
         arcs: arcs::arcs((searched, campaign), (residuals, shown), left_mm),
         off_times: times::off(of_test, campaign),
         wrong_settings: standing.wrong_settings(),

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::diagnose::account::arcs::ArcShare;
+use crate::diagnose::account::effects::EffectsAt;
 use crate::diagnose::account::gain::{ProgramGain, RunGain};
 use crate::diagnose::account::left_out::LeftOut;
 use crate::diagnose::account::moved::Moved;
@@ -96,6 +97,8 @@ pub struct Diagnosis {
     pub views: Vec<View>,
     /// What each finding looks like by itself, in their order; `None` where it hangs on no single variable.
     pub pictures: Vec<Option<Picture>>,
+    /// What each finding does to each reading, repeat after repeat; empty where nothing was found.
+    pub effects: Vec<Vec<EffectsAt>>,
     /// How much of what is left on each arc repeats.
     pub arcs: Vec<ArcShare>,
     /// What the machine file or the test file states wrong; all else is with it put right.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::LazyLock;
 
 use super::{Analysis, Shown};
-use crate::diagnose::diagnose;
+use crate::diagnose::{EffectsAt, diagnose};
 use crate::identify::{Campaign, Failure, Identification};
 use crate::machine::Machine;
 use crate::plan::Test;
@@ -15,12 +15,14 @@ pub(super) struct Identified {
     pub(super) identifications: Vec<Identification>,
     /// The same without what was found.
     pub(super) before: Vec<Identification>,
+    /// What each finding does to each reading.
+    pub(super) effects: Vec<Vec<EffectsAt>>,
 }
 
 impl Identified {
     /// What curves are made of.
     pub(super) fn shown(&self) -> Shown<'_> {
-        Shown { repeats: &self.identifications, before: &self.before }
+        Shown { repeats: &self.identifications, before: &self.before, effects: &self.effects }
     }
 }
 
@@ -44,7 +46,8 @@ pub(super) fn diagnosed() -> &'static Identified {
         let diagnosis = diagnose(&test, &machine, &campaign).unwrap();
         let analysis = Analysis::diagnosed(&test, &machine, &campaign, &diagnosis);
         let extended = diagnosis.extended.unwrap().campaign.repeats;
-        Identified { analysis, identifications: extended, before: campaign.repeats }
+        let effects = diagnosis.effects;
+        Identified { analysis, identifications: extended, before: campaign.repeats, effects }
     });
     &CASE
 }
@@ -53,7 +56,12 @@ pub(super) fn diagnosed() -> &'static Identified {
 pub(super) fn work_out(set: &str) -> Identified {
     let (test, machine, campaign) = campaign(set);
     let analysis = Analysis::new(&test, &machine, &campaign);
-    Identified { analysis, identifications: campaign.repeats, before: Vec::new() }
+    Identified {
+        analysis,
+        identifications: campaign.repeats,
+        before: Vec::new(),
+        effects: Vec::new(),
+    }
 }
 
 #[allow(clippy::unwrap_used)]

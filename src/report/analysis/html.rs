@@ -12,7 +12,7 @@ use super::front;
 use super::record;
 use super::shown::Shown;
 use super::tables::{self, CoefficientRow};
-use super::{place, run_tables, traces, verdict};
+use super::{live, place, run_tables, traces, verdict};
 use crate::error::{Error, Kind, Result};
 use crate::report::text::filters;
 use crate::report::text::numbers::fixed;
@@ -31,6 +31,7 @@ struct Page<'a> {
     policy: String,
     style: &'static str,
     script: &'static str,
+    live: String,
     front: String,
     contents: Vec<(&'static str, &'static str)>,
     analysis: &'a Analysis,
@@ -60,6 +61,7 @@ struct Page<'a> {
     ways: [&'static str; 2],
     set_up_taken_off: bool,
     hysteresis: Vec<Figure>,
+    sphere: Option<Figure>,
     over_time: Vec<Figure>,
     over_angle: Vec<Figure>,
     distribution: Vec<Figure>,
@@ -87,6 +89,7 @@ pub fn render(analysis: &Analysis, shown: Shown) -> Result<String> {
         policy: policy(STYLE, SCRIPT),
         style: STYLE,
         script: SCRIPT,
+        live: live::json(analysis, shown, &circles)?,
         front: front::section(analysis, &circles, &before, ways)?,
         contents: contents(analysis, !circular.is_empty(), !ranked.is_empty()),
         verdict: verdict::of(analysis).iter().chain(wrong).map(|line| fine(line)).collect(),
@@ -117,6 +120,7 @@ pub fn render(analysis: &Analysis, shown: Shown) -> Result<String> {
         ways,
         set_up_taken_off: traces::set_up_taken_off(analysis, identifications),
         hysteresis: figures::hysteresis(analysis),
+        sphere: figures::left_over(&circles),
         over_time: figures::against_time(analysis, shown),
         over_angle: figures::against_angle(&circles, &before, shown),
         distribution: distribution.collect(),
@@ -228,7 +232,7 @@ mod tests {
             {
                 assert!(!html.contains(part), "{set}: {part}");
             }
-            assert_eq!(html.matches("<script").count(), 1, "{set}");
+            assert_eq!(html.matches("<script").count(), 2, "{set}: data and script");
             for link in html.split("href=\"").skip(1) {
                 let to = link.split('"').next().unwrap().strip_prefix('#').unwrap();
                 assert_eq!(html.matches(&format!("id=\"{to}\"")).count(), 1, "{set}: {to}");

@@ -13,6 +13,7 @@ mod figures;
 mod front;
 pub(super) mod gather;
 pub mod html;
+mod live;
 pub(super) mod machine_errors;
 pub(super) mod means;
 mod mountings;

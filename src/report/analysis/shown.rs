@@ -1,5 +1,6 @@
 //! The identifications that tables and curves are made of.
 
+use crate::diagnose::EffectsAt;
 use crate::identify::{Identification, IdentifiedRun};
 
 /// The repeats of a test as they are shown.
@@ -9,12 +10,14 @@ pub struct Shown<'a> {
     pub repeats: &'a [Identification],
     /// The same without it, drawn in grey; none where nothing was found.
     pub before: &'a [Identification],
+    /// What each finding does to each reading, repeat after repeat; none where nothing was found.
+    pub effects: &'a [Vec<EffectsAt>],
 }
 
 impl<'a> Shown<'a> {
     /// Repeats in which nothing was found.
     pub fn alone(repeats: &'a [Identification]) -> Self {
-        Self { repeats, before: &[] }
+        Self { repeats, before: &[], effects: &[] }
     }
 
     /// Every run with the same as it was without what was found.

@@ -12,8 +12,14 @@ use crate::log::Log;
 pub(super) struct Trace {
     /// Index of the repeat.
     pub(super) repeat: usize,
+    /// Index of the run among those of the repeat.
+    pub(super) run: usize,
+    /// Its name.
+    pub(super) run_name: String,
     /// Forward or backward.
     pub(super) forward: bool,
+    /// When it was read, on the clock of the log, s.
+    pub(super) log_s: Vec<f64>,
     /// Angle on the circle, rad, without jumps.
     pub(super) angle_rad: Vec<f64>,
     /// Reading without the set-up error, um.
@@ -47,6 +53,8 @@ impl Trace {
 /// A circle of a mounting and what was driven on it.
 #[derive(Debug)]
 pub(super) struct OnCircle {
+    /// Its number, from 0, among all circles of the test.
+    pub(super) number: usize,
     /// The circle.
     pub(super) circle: Circle,
     /// Index of the mounting.
@@ -77,7 +85,7 @@ impl OnCircle {
 pub(super) fn circles(analysis: &Analysis, identifications: &[Identification]) -> Vec<OnCircle> {
     let mut circles: Vec<OnCircle> = Vec::new();
     for (repeat, identification) in identifications.iter().enumerate() {
-        for run in &identification.runs {
+        for (of_repeat, run) in identification.runs.iter().enumerate() {
             let set_up_um = set_up_um(analysis, identification, run);
             for (index, section) in run.alignment.sections.iter().enumerate() {
                 if section.transit {
@@ -85,6 +93,9 @@ pub(super) fn circles(analysis: &Analysis, identifications: &[Identification]) -
                 }
                 let mut trace = Trace {
                     repeat,
+                    run: of_repeat,
+                    run_name: run.name.clone(),
+                    log_s: Vec::new(),
                     forward: section.forward,
                     angle_rad: Vec::new(),
                     measured_um: Vec::new(),
@@ -114,6 +125,7 @@ pub(super) fn circles(analysis: &Analysis, identifications: &[Identification]) -
                         trace.breaks.push(trace.angle_rad.len());
                     }
                     last_s = sample.log_s;
+                    trace.log_s.push(sample.log_s);
                     trace.angle_rad.push(angle_rad);
                     trace.measured_um.push(sample.deviation_mm * 1e3 - off_um);
                     trace.predicted_um.push(record.computed_mm * 1e3 - off_um);
@@ -130,6 +142,7 @@ pub(super) fn circles(analysis: &Analysis, identifications: &[Identification]) -
                 match circles.iter_mut().find(same) {
                     Some(circle) => circle.traces.push(trace),
                     None => circles.push(OnCircle {
+                        number: 0,
                         circle: section.circle,
                         mounting: run.mounting,
                         name: analysis.in_mounting(&section.circle.name(), run.mounting),
@@ -141,6 +154,7 @@ pub(super) fn circles(analysis: &Analysis, identifications: &[Identification]) -
         }
     }
     circles.sort_by_key(|circle| circle.mounting);
+    circles.iter_mut().enumerate().for_each(|(number, circle)| circle.number = number);
     circles
 }
 
@@ -162,8 +176,8 @@ fn unwound(angle_rad: f64, before: Option<f64>, forward: bool) -> f64 {
     }
 }
 
-/// Set-up error of the balls of a run, tool minus workpiece, um; zero where it is not estimated or not
-/// determined, because then it is not known what to take off.
+/// Set-up error of the balls of a run, tool minus workpiece, um; zero along an axis where it is not estimated or
+/// not determined, because then it is not known what to take off.
 fn set_up_um(
     analysis: &Analysis,
     identification: &Identification,
@@ -178,13 +192,16 @@ fn set_up_um(
         estimate.map(|e| (e.value * 1e3, e.observed))
     };
     let axes = ['X', 'Y', 'Z'];
-    let all: Vec<Option<(f64, f64)>> =
-        axes.iter().flat_map(|axis| [value('t', *axis), value('w', *axis)]).collect();
-    if all.iter().flatten().any(|(_, observed)| *observed < super::cautions::DETERMINED) {
-        return Vector3::zeros();
-    }
-    let of = |k: usize| all[k].map_or(0.0, |(value, _)| value);
-    Vector3::new(of(0) - of(1), of(2) - of(3), of(4) - of(5))
+    // What is not determined along one axis says nothing of the others: a plane never tells its normal. Where the machine
+    // is described at the place of the test, what was plausible decides, and a plane is never told the whole of a shift.
+    let along = |axis: char| {
+        let both = [value('t', axis), value('w', axis)];
+        let determined = |(_, observed): &(f64, f64)| *observed >= super::cautions::DETERMINED;
+        let known = analysis.is_local() || both.iter().flatten().all(determined);
+        let [tool, workpiece] = both.map(|of| of.map_or(0.0, |(value, _)| value));
+        if known { tool - workpiece } else { 0.0 }
+    };
+    Vector3::from(axes.map(along))
 }
 
 /// Whether the set-up errors are taken off the curves.

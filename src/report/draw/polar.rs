@@ -153,6 +153,21 @@ impl Polar {
         (self.centre.0 + radius * angle_rad.cos(), self.centre.1 - radius * angle_rad.sin())
     }
 
+    /// Begins the curves, and says to a script where they are and of which circle.
+    pub(in crate::report) fn begin_curves(&mut self, circle: usize) {
+        let (x, y) = self.centre;
+        self.drawing.attribute("circle", &circle.to_string());
+        let place =
+            format!("{} {} {NOMINAL} {}", fixed(x, 1), fixed(y, 1), self.scale.pixels_per_um);
+        self.drawing.attribute("place", &place);
+        self.drawing.begin("curves");
+    }
+
+    /// Ends them.
+    pub(in crate::report) fn end_curves(&mut self) {
+        self.drawing.end();
+    }
+
     /// A curve of angle (rad) and deviation (um).
     pub(in crate::report) fn curve(&mut self, points: &[(f64, f64)], class: &str) {
         let points: Vec<(f64, f64)> = points

@@ -18,12 +18,29 @@ pub(in crate::report) enum Anchor {
 pub(in crate::report) struct Drawing {
     width: f64,
     height: f64,
+    /// What a script has to know of it, such as ` data-circle="1"`.
+    attributes: String,
     body: String,
 }
 
 impl Drawing {
     pub(in crate::report) fn new(width: f64, height: f64) -> Self {
-        Self { width, height, body: String::new() }
+        Self { width, height, attributes: String::new(), body: String::new() }
+    }
+
+    /// Something that a script has to know of it.
+    pub(in crate::report) fn attribute(&mut self, name: &str, value: &str) {
+        let _ = write!(self.attributes, r#" data-{name}="{}""#, escaped(value));
+    }
+
+    /// Begins a group of a class.
+    pub(in crate::report) fn begin(&mut self, class: &str) {
+        let _ = write!(self.body, r#"<g class="{class}">"#);
+    }
+
+    /// Ends it.
+    pub(in crate::report) fn end(&mut self) {
+        self.body.push_str("</g>");
     }
 
     /// A straight line.
@@ -141,7 +158,8 @@ impl Drawing {
     pub(in crate::report) fn finish(self, told: &str) -> String {
         let (width, height) = (fixed(self.width, 0), fixed(self.height, 0));
         format!(
-            r#"<svg width="{width}" viewBox="0 0 {width} {height}" role="img" aria-label="{}">{}</svg>"#,
+            r#"<svg width="{width}" viewBox="0 0 {width} {height}"{} role="img" aria-label="{}">{}</svg>"#,
+            self.attributes,
             escaped(told),
             self.body
         )

@@ -58,6 +58,7 @@ fn figure(circle: &OnCircle, before: Option<&OnCircle>, scale: Magnification) ->
         Circle::Other { .. } => ["", "", "", ""],
     };
     let mut polar = Polar::new(circle.whole(), scale, name, spokes);
+    polar.begin_curves(circle.number);
     // Faint ones first, so that the first repeat lies on top.
     for trace in circle.traces.iter().filter(|trace| trace.repeat > 0) {
         draw(&mut polar, trace, false, FAINT_POINTS, "faint");
@@ -71,6 +72,7 @@ fn figure(circle: &OnCircle, before: Option<&OnCircle>, scale: Magnification) ->
     for trace in circle.traces.iter().filter(|trace| trace.repeat == 0) {
         draw(&mut polar, trace, true, POINTS, "predicted");
     }
+    polar.end_curves();
     polar.finish(&format!("{name}: measured and predicted deviation, polar"))
 }
 
