@@ -4,6 +4,7 @@ use super::facts::Analysis;
 use super::place::{self, PlaceResult};
 use crate::report::circular::facts::Verdict;
 use crate::report::diagnosis::facts::FindingFacts;
+use crate::report::text::markup::shortened;
 use crate::report::text::numbers::{decimals, fixed, signed, typeset};
 use crate::report::text::words::{capital, fine};
 
@@ -13,8 +14,9 @@ const WORTH_REPAIR_UM: f64 = 1.0;
 const THERE: f64 = 2.0;
 /// From highest to lowest of a sine, in root mean squares.
 const RANGE_OF_RMS: f64 = 2.83;
-/// So many sentences.
+/// So many sentences, each of at most so many letters.
 const SENTENCES: usize = 2;
+const LETTERS: usize = 320;
 
 /// What people ask, the first word of its name, and what is done about it.
 const REMEDIES: [(&str, &str); 6] = [
@@ -50,11 +52,20 @@ struct Lever {
 
 /// By how much a quantity moves the reading on the circle of the test, um; `None` of rotations, which depend on the place.
 pub(super) fn size_um(of: &PlaceResult, radius_mm: f64) -> Option<f64> {
-    match of.unit {
-        "um" => Some(of.value.abs()),
-        "um/m" => Some(of.value.abs() * radius_mm * 1e-3),
+    on_the_circle_um(of.value, of.unit, radius_mm)
+}
+
+fn on_the_circle_um(value: f64, unit: &str, radius_mm: f64) -> Option<f64> {
+    match unit {
+        "um" => Some(value.abs()),
+        "um/m" => Some(value.abs() * radius_mm * 1e-3),
         _ => None,
     }
+}
+
+/// Whether so much of a quantity, such as its uncertainty, would be worth repair.
+pub(super) fn is_worth(value: Option<f64>, unit: &str, radius_mm: f64) -> bool {
+    value.and_then(|value| on_the_circle_um(value, unit, radius_mm)) >= Some(WORTH_REPAIR_UM)
 }
 
 /// The radius at which quantities are compared, mm: that of the longest bar.
@@ -75,7 +86,7 @@ pub(super) fn of(analysis: &Analysis) -> Vec<String> {
     let stated = stated.chain(diagnosis.iter().flat_map(|of| &of.verdict.off_times).cloned());
     let mut sentences: Vec<String> = stated.take(1).map(|sentence| fine(&sentence)).collect();
     let kept = analysis.circular.conformity.as_ref().map(|of| of.verdict == Verdict::Pass);
-    let mut levers = two_levers(analysis);
+    let (mut levers, small) = two_levers(analysis);
     if kept == Some(true) {
         sentences
             .push("Nothing has to be repaired: every tolerance of the test file is kept.".into());
@@ -84,39 +95,43 @@ pub(super) fn of(analysis: &Analysis) -> Vec<String> {
         }
     } else if levers.is_empty() && sentences.is_empty() {
         sentences.push(if kept.is_none() {
-            format!("Nothing to repair: nothing that is certain moves the reading by more than {} µm.", fixed(WORTH_REPAIR_UM, 0))
+            format!(
+                "Nothing to repair: nothing that is certain moves the reading by more than {} µm.",
+                fixed(WORTH_REPAIR_UM, 0)
+            )
         } else {
             "No single cause stands out of what this test leaves open: measure again, or in a way that tells more.".into()
         });
+        sentences.extend(
+            small.map(|cause| format!("The largest cause that was found: {}", cause.sentence)),
+        );
     } else {
         sentences.extend(levers.drain(..).map(|lever| lever.sentence));
     }
     sentences.truncate(SENTENCES);
-    sentences
+    sentences.iter().map(|sentence| shortened(sentence, LETTERS)).collect()
 }
 
 /// The largest cause that was named and the largest quantity, or two of one where there is none of the other; the larger
-/// first.
-fn two_levers(analysis: &Analysis) -> Vec<Lever> {
+/// first. And the largest cause that nobody would repair.
+fn two_levers(analysis: &Analysis) -> (Vec<Lever>, Option<Lever>) {
     let named = analysis.diagnosis.iter().flat_map(|of| &of.findings).filter(|of| of.named);
-    let mut causes: Vec<Lever> = named.map(cause).collect();
     let radius_mm = radius_mm(analysis);
     let (seen, _) = place::seen(&analysis.at_the_place);
-    let mut quantities: Vec<Lever> = seen
-        .into_iter()
-        .filter(|of| is_there(of))
-        .filter_map(|of| quantity(of, radius_mm))
-        .filter(|lever| lever.size_um >= WORTH_REPAIR_UM)
-        .collect();
-    let by_size = |a: &Lever, b: &Lever| b.size_um.total_cmp(&a.size_um);
-    causes.sort_by(by_size);
-    quantities.sort_by(by_size);
+    let there = seen.into_iter().filter(|of| is_there(of));
+    let by_size = |mut levers: Vec<Lever>| {
+        levers.sort_by(|a, b| b.size_um.total_cmp(&a.size_um));
+        let worth = levers.partition_point(|lever| lever.size_um >= WORTH_REPAIR_UM);
+        let small = levers.split_off(worth);
+        (levers, small.into_iter().next())
+    };
+    let (mut causes, small) = by_size(named.map(cause).collect());
+    let (mut quantities, _) = by_size(there.filter_map(|of| quantity(of, radius_mm)).collect());
     let of_causes = if quantities.is_empty() { SENTENCES } else { 1 };
     causes.truncate(of_causes);
     quantities.truncate(SENTENCES - causes.len());
     causes.append(&mut quantities);
-    causes.sort_by(by_size);
-    causes
+    (by_size(causes).0, small)
 }
 
 fn cause(of: &FindingFacts) -> Lever {

@@ -18,14 +18,14 @@ use crate::report::text::numbers::{fixed, many, signed, typeset};
 use crate::report::text::words::{capital, fine};
 
 /// So many judged values, circular tests and errors of the machine.
-const JUDGED: usize = 5;
+const JUDGED: usize = 4;
 const TESTS: usize = 4;
-const ERRORS: usize = 8;
+const ERRORS: usize = 7;
 /// Up to so many circles are all drawn; of more only the one with the largest deviation.
 const CIRCLES: usize = 3;
 /// So many letters of a name, and of a fact.
 const NAME: usize = 90;
-const FACT: usize = 60;
+const FACT: usize = 40;
 /// Of the record, what stands on page one.
 const RECORD: [&str; 6] = [
     "Customer",
@@ -63,6 +63,8 @@ struct Tables {
     circular: InShort,
     errors: Vec<ErrorRow>,
     more: usize,
+    /// What the uncertainties count.
+    uncertainty: &'static str,
     radius_mm: String,
 }
 
@@ -216,7 +218,7 @@ fn tables(analysis: &Analysis) -> Result<String> {
     let more = sized.len().saturating_sub(ERRORS);
     let errors = sized.into_iter().take(ERRORS).map(|(size_um, of)| {
         let sigma = of.all.or(of.noise);
-        let places = place::decimals(sigma.unwrap_or(0.0)).min(2);
+        let places = place::decimals(sigma.unwrap_or(0.0));
         let unit = fine(&format!(" {}", of.unit));
         ErrorRow {
             name: capital(&of.quantity),
@@ -230,6 +232,7 @@ fn tables(analysis: &Analysis) -> Result<String> {
         circular: circular::in_short(&analysis.circular, TESTS),
         errors: errors.collect(),
         more,
+        uncertainty: if analysis.is_local() { "all" } else { "noise" },
         radius_mm: fixed(radius_mm, 0),
     })
 }

@@ -1,48 +1,64 @@
 //! What is uncertain, in a few sentences for page one: the cautions with those that say one thing as one.
 
+use super::advice;
 use super::facts::Analysis;
-use super::place::PlaceResult;
+use super::place::{self, PlaceResult};
 use crate::report::text::markup::shortened;
-use crate::report::text::numbers::{decimals, fixed, many};
+use crate::report::text::numbers::{fixed, many};
 use crate::report::text::words::{capital, fine, list};
 
-/// So many cautions stand on page one, each of at most so many letters; all of them below.
+/// So many cautions stand on page one, all together with about so many letters; the sections below have all.
 const MOST: usize = 3;
-const LETTERS: usize = 450;
+const LETTERS: usize = 520;
+/// Less than so many letters of a caution say nothing.
+const FEWEST: usize = 80;
 /// So many things that would look the same are named.
 const ALIKE: usize = 3;
 
 /// The sentences.
 pub(super) fn of(analysis: &Analysis) -> Vec<String> {
-    let open: Vec<&PlaceResult> =
-        analysis.at_the_place.iter().filter(|of| of.caution().is_some()).collect();
-    let of_place: Vec<String> = open.iter().filter_map(|of| of.caution()).collect();
+    let radius_mm = advice::radius_mm(analysis);
+    let of_place: Vec<String> =
+        analysis.at_the_place.iter().filter_map(PlaceResult::caution).collect();
+    // What moves nothing that anybody repairs is told below.
+    let matters =
+        |of: &&PlaceResult| of.caution().is_some() && advice::is_worth(of.all, of.unit, radius_mm);
+    let open: Vec<&PlaceResult> = analysis.at_the_place.iter().filter(matters).collect();
     let left_out = analysis.diagnosis.iter().flat_map(|of| &of.left_out);
     let left_out = left_out.map(|of| format!("{} took no part: {}.", of.runs, of.reason));
     let others = analysis.cautions.iter().filter(|caution| !of_place.contains(caution)).cloned();
-    let mut sentences: Vec<String> = left_out.chain(others).collect();
-    let more = sentences.len().saturating_sub(MOST);
-    sentences.truncate(MOST);
-    let mut told: Vec<String> = as_one(&open)
-        .into_iter()
-        .chain(sentences)
-        .map(|of| shortened(&fine(&of), LETTERS))
-        .collect();
+    let all: Vec<String> = as_one(&open).into_iter().chain(left_out).chain(others).collect();
+    let mut told: Vec<String> = Vec::new();
+    let mut room = LETTERS;
+    for sentence in all.iter().take(MOST) {
+        if room < FEWEST {
+            break;
+        }
+        told.push(shortened(&fine(sentence), room));
+        room -= room.min(sentence.chars().count());
+    }
+    let more = all.len() - told.len();
     if more > 0 {
         told.push(format!("And {}, below.", many(more, "more caution")));
     }
     told
 }
 
-/// What this test leaves open however little it scatters, the least known first, and what would look the same.
+/// What this test leaves open however little it scatters, a kind at a time, each as well as the least known of it; and what
+/// would look the same.
 fn as_one(open: &[&PlaceResult]) -> Option<String> {
-    let mut known: Vec<(f64, String)> = Vec::new();
+    let mut kinds: Vec<(&str, Vec<&str>, f64, &str)> = Vec::new();
     let mut alike: Vec<(usize, &str)> = Vec::new();
     for of in open {
+        let (kind, name) = kind_and_name(&of.quantity)?;
         let all = of.all?;
-        let told =
-            format!("{} to {} {}", of.quantity, fixed(all, decimals(all, 2).min(3)), of.unit);
-        known.push((all / of.noise.unwrap_or(all).max(f64::MIN_POSITIVE), told));
+        match kinds.iter_mut().find(|(other, ..)| *other == kind) {
+            Some((_, names, worst, _)) => {
+                names.push(name);
+                *worst = worst.max(all);
+            }
+            None => kinds.push((kind, vec![name], all, of.unit)),
+        }
         for fault in &of.looks_like {
             match alike.iter_mut().find(|(_, other)| other == fault) {
                 Some((count, _)) => *count += 1,
@@ -50,18 +66,29 @@ fn as_one(open: &[&PlaceResult]) -> Option<String> {
             }
         }
     }
-    known.sort_by(|a, b| b.0.total_cmp(&a.0));
     alike.sort_by_key(|(count, _)| std::cmp::Reverse(*count));
     let more = if alike.len() > ALIKE { " and others" } else { "" };
-    let first = alike.iter().take(ALIKE).map(|(_, fault)| *fault);
-    let first = list(first);
-    (!known.is_empty()).then(|| {
+    let first = list(alike.iter().take(ALIKE).map(|(_, fault)| *fault));
+    let told = kinds.iter().map(|(kind, names, worst, unit)| {
+        format!("{kind} {} to {} {unit}", names.join(", "), fixed(*worst, place::decimals(*worst)))
+    });
+    let told: Vec<String> = told.collect();
+    (!told.is_empty()).then(|| {
         format!(
-            "However little they scatter, this test knows {} only. {}{more} would look the same.",
-            list(known.iter().map(|(_, told)| told.as_str())),
+            "However little they scatter, this test knows only: {}. {}{more} would look the same.",
+            told.join("; "),
             capital(&first)
         )
     })
+}
+
+/// `squareness` and `XY`, `lateral play` and `X in Y`.
+fn kind_and_name(quantity: &str) -> Option<(&str, &str)> {
+    const OF_TWO_WORDS: &str = "lateral play";
+    match quantity.strip_prefix(OF_TWO_WORDS) {
+        Some(name) => Some((OF_TWO_WORDS, name.trim_start())),
+        None => quantity.split_once(' '),
+    }
 }
 
 #[cfg(test)]
@@ -84,11 +111,15 @@ mod tests {
     #[test]
     fn what_says_one_thing_is_one_sentence() {
         let (bow, s) = ("a bow of X", "an S of Y");
-        let open = [place("scale X", 2.0, &[bow]), place("scale Y", 34.0, &[s, bow])];
+        let open = [
+            place("scale X", 2.0, &[bow]),
+            place("lateral play X in Y", 5.0, &[bow]),
+            place("scale Y", 34.0, &[s, bow]),
+        ];
         let told = as_one(&open.each_ref()).unwrap();
         assert_eq!(
             told,
-            "However little they scatter, this test knows scale Y to 34 um/m, scale X to 2.0 um/m only. A bow of X, an S of Y would look the same."
+            "However little they scatter, this test knows only: scale X, Y to 34 um/m; lateral play X in Y to 5.0 um/m. A bow of X, an S of Y would look the same."
         );
         assert_eq!(as_one(&[]), None);
     }

@@ -8,6 +8,7 @@ use super::figures::{bars, sphere, volume_map};
 use super::planned::Planned;
 use super::{rows, unseen, verdict, words};
 use crate::error::{Error, Kind, Result};
+use crate::report::text::filters;
 use crate::report::text::numbers::typeset;
 use crate::report::text::words::fine;
 
