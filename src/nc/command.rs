@@ -1,37 +1,12 @@
 //! What one block says: its words by address, its G words in force.
 
-use super::lex::{Fault, Word};
-use super::modal::{Code, Miscellaneous, Modal, unknown};
+use super::code::{Code, Miscellaneous, unknown};
+use super::modal::Modal;
+use super::word::{Fault, Letters, Word};
 use crate::machine::Dialect;
 
 /// More words than this are no block.
 const MOST_WORDS: usize = 200;
-
-/// A set of address letters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Letters(u32);
-
-impl Letters {
-    /// The set of these letters, upper case.
-    pub(crate) const fn of(letters: &[u8]) -> Self {
-        let mut set = 0;
-        let mut index = 0;
-        while index < letters.len() {
-            set |= 1 << (letters[index] - b'A');
-            index += 1;
-        }
-        Self(set)
-    }
-
-    /// Both sets together.
-    pub(crate) const fn and(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-
-    fn has(self, letter: u8) -> bool {
-        self.0 & (1 << (letter - b'A')) != 0
-    }
-}
 
 /// The words of a block, sorted.
 #[derive(Debug)]

@@ -3,8 +3,7 @@
 //! A line is read without copying: a word keeps where it stands, so that whatever is wrong with it later
 //! can be shown with a caret.
 
-use std::ops::Range;
-
+use super::word::{Fault, Word};
 use crate::machine::Dialect;
 
 /// A number may have this many digits; all of them are exact in an `f64`.
@@ -13,74 +12,6 @@ const MOST_DIGITS: u32 = 15;
 /// Powers of ten that are exact, for the digits after the point.
 const POWERS: [f64; 16] =
     [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
-
-/// What is wrong within one line; the line itself is added where it is known.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Fault {
-    /// Bytes of the line that are at fault; none when it is the line as a whole.
-    pub(crate) span: Option<Range<usize>>,
-    /// What is wrong, one sentence without a full stop.
-    pub(crate) what: String,
-    /// What to do about it.
-    pub(crate) hint: Option<String>,
-}
-
-impl Fault {
-    /// A fault of some bytes of the line.
-    pub(crate) fn span(span: Range<usize>, what: impl Into<String>) -> Self {
-        Self { span: Some(span), what: what.into(), hint: None }
-    }
-
-    /// A fault of one word.
-    pub(crate) fn word(word: &Word, what: impl Into<String>) -> Self {
-        let start = word.start as usize;
-        Self::span(start..start + word.width as usize, what)
-    }
-
-    /// A fault of the line as a whole.
-    pub(crate) fn line(what: impl Into<String>) -> Self {
-        Self { span: None, what: what.into(), hint: None }
-    }
-
-    /// Adds what to do about it.
-    pub(crate) fn hint(mut self, hint: impl Into<String>) -> Self {
-        self.hint = Some(hint.into());
-        self
-    }
-}
-
-/// An address letter with its number.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Word {
-    /// The number as written, without a unit.
-    pub(crate) value: f64,
-    /// Byte of the line at which the letter stands.
-    pub(crate) start: u32,
-    /// Bytes from the letter to the end of the number.
-    pub(crate) width: u32,
-    /// The letter, in upper case.
-    pub(crate) letter: u8,
-    /// Whether the number has a decimal point, which changes its unit.
-    pub(crate) point: bool,
-}
-
-impl Word {
-    /// The number when it is a whole one, not negative and without a point.
-    pub(crate) fn whole(&self) -> Option<u32> {
-        let fits = !self.point && (0.0..=f64::from(u32::MAX)).contains(&self.value);
-        fits.then_some(self.value as u32)
-    }
-
-    /// The word as programs are usually written: `G04`, `G05.1`, `M30`, `X-1.5`.
-    pub(crate) fn name(&self) -> String {
-        let letter = char::from(self.letter);
-        match self.whole() {
-            Some(number) if matches!(self.letter, b'G' | b'M') => format!("{letter}{number:02}"),
-            None if self.letter == b'G' && self.point => format!("G{:04.1}", self.value),
-            _ => format!("{letter}{}", self.value),
-        }
-    }
-}
 
 /// What a line is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]

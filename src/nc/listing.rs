@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 
-use super::lex::{Fault, Lexer, Piece, Word};
+use super::lex::{Lexer, Piece};
 use super::reading::Reading;
+use super::word::{Fault, Word};
 use crate::error::{Error, Place, Result};
 
 /// A line of the file.

@@ -42,6 +42,7 @@
 
 mod arc;
 pub mod check;
+mod code;
 mod command;
 mod comment;
 mod header;
@@ -57,6 +58,7 @@ mod run;
 mod source;
 #[cfg(test)]
 mod tests;
+mod word;
 mod write;
 mod writer;
 

@@ -3,11 +3,12 @@
 use nalgebra::Vector3;
 
 use super::arc::Ends;
-use super::command::{Command, Letters};
-use super::lex::{Fault, Word};
-use super::modal::{Code, Modal, Motion, unknown};
+use super::code::{Code, Motion, unknown};
+use super::command::Command;
+use super::modal::Modal;
 use super::program::{Move, Path};
 use super::reading::Reading;
+use super::word::{Fault, Letters, Word};
 
 /// Addresses of coordinates.
 pub(crate) const COORDINATES: Letters = Letters::of(b"XYZ");

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use super::lex::Fault;
 use super::listing::Listing;
 use super::program::Program;
 use super::reading::Reading;
 use super::run;
+use super::word::Fault;
 use crate::error::{Error, Place, Result};
 
 /// Reads a program.

@@ -1,12 +1,13 @@
 //! Runs a program: block after block, through its subprograms, to its end.
 
-use super::command::{Command, Letters};
-use super::lex::{Fault, Word};
+use super::code::{Code, LookAhead, Miscellaneous};
+use super::command::Command;
 use super::listing::{Block, Line, Listing, Refuse};
-use super::modal::{Code, LookAhead, Miscellaneous, Stated};
+use super::modal::Stated;
 use super::position::{ARC, COORDINATES, Machine, Moved};
 use super::program::{Action, Path, Step};
 use super::reading::Reading;
+use super::word::{Fault, Letters, Word};
 use crate::error::Result;
 use crate::machine::Dialect;
 

@@ -1,8 +1,8 @@
 //! Rules of what is driven with the bar engaged: sphere, chords, corners, what stands inside an arc.
 
 use super::bar::{Pause, Walk};
-use crate::nc::lex::Fault;
 use crate::nc::program::{Move, Path, Step};
+use crate::nc::word::Fault;
 
 /// A point of an arc that is off by more was not rounded but mistyped, mm.
 const OFF_SPHERE_MM: f64 = 0.01;

@@ -7,10 +7,10 @@ use super::findings::Findings;
 use super::sphere::Sphere;
 use crate::error::Error;
 use crate::machine::{Axis, Dialect, Machine};
-use crate::nc::lex::{Fault, Word};
 use crate::nc::listing::{Line, Listing};
 use crate::nc::program::{Action, Move, Step};
 use crate::nc::run::{Mark, Ran};
+use crate::nc::word::{Fault, Word};
 
 /// A radial move keeps within this angle of the radius: its cosine, 5 degrees.
 const RADIAL: f64 = 0.996;

@@ -2,10 +2,10 @@
 
 use super::findings::Findings;
 use crate::machine::{Axis, Machine};
-use crate::nc::lex::Fault;
 use crate::nc::listing::{Block, Listing};
 use crate::nc::program::{Action, Move, Step};
 use crate::nc::run::Ran;
+use crate::nc::word::Fault;
 
 /// A coordinate may stand on the end of the travel, mm.
 const ON_THE_END_MM: f64 = 1e-6;

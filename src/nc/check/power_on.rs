@@ -2,10 +2,10 @@
 
 use super::findings::Findings;
 use crate::machine::Dialect;
-use crate::nc::lex::Fault;
+use crate::nc::code::Code;
 use crate::nc::listing::{Line, Listing};
-use crate::nc::modal::Code;
 use crate::nc::run::Ran;
+use crate::nc::word::Fault;
 
 /// What every path depends on, each group by the word that our programs write.
 const DEPENDS: [(Code, &str); 7] = [

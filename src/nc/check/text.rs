@@ -3,8 +3,9 @@
 use super::findings::Findings;
 
 use crate::machine::{Controller, Dialect};
-use crate::nc::lex::{Fault, Lexer, Piece, Word};
+use crate::nc::lex::{Lexer, Piece};
 use crate::nc::listing::{Line, Listing};
+use crate::nc::word::{Fault, Word};
 
 /// Longest block, characters: LinuxCNC reads 255, and no control needs more.
 const LONGEST_BLOCK: usize = 255;

@@ -2,9 +2,9 @@
 
 use super::findings::Findings;
 use crate::machine::{Controller, Dialect};
-use crate::nc::lex::{Fault, Word};
 use crate::nc::listing::Listing;
 use crate::nc::run::Ran;
+use crate::nc::word::{Fault, Word};
 
 /// A word of length has eight digits on a Fanuc, mm.
 const LARGEST_MM: f64 = 99_999.999;
