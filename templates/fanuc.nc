@@ -1,5 +1,5 @@
 %
-O{{ number }} ({{ title }})
+{{ name }} ({{ title }})
 {%- for comment in header %}
 ({{ comment }})
 {%- endfor %}
@@ -15,6 +15,8 @@ O{{ number }} ({{ title }})
 {{ n }}G64
 {%- when Line::Dwell with (n, seconds) %}
 {{ n }}G04 P{{ seconds.milliseconds() }}
+{%- when Line::Stop with (n, text) %}
+{{ n }}M00 ({{ text }})
 {%- when Line::Call with (n, program) %}
 {{ n }}M98 P{{ program }}
 {%- when Line::End with (n) %}

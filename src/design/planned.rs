@@ -36,7 +36,7 @@ impl PlannedProgram {
     pub fn new(test: &Test, machine: &Machine, mounting: usize) -> Result<Self> {
         let path = Path::plan(test, machine, mounting)?;
         let text = nc::write(test, machine, &path)?;
-        let file_name = format!("O{:04}.nc", test.plan()?.program_number + mounting as u32);
+        let file_name = nc::file_name(machine, test.plan()?.program_number + mounting as u32);
         let named = &test.mountings()[mounting];
         let reading = reading_of(test, machine, mounting);
         let program = nc::read(&text, file_name.as_ref(), &reading)?;

@@ -17,17 +17,66 @@ pub enum Dialect {
     Fanuc,
     /// LinuxCNC, RS274/NGC.
     LinuxCnc,
+    /// Siemens SINUMERIK 840D sl, 828D and their relatives.
+    Siemens,
+    /// HEIDENHAIN TNC and iTNC, Klartext.
+    Heidenhain,
 }
 
 impl Dialect {
     /// All, the default first.
-    pub const ALL: [Self; 2] = [Self::Fanuc, Self::LinuxCnc];
+    pub const ALL: [Self; 4] = [Self::Fanuc, Self::LinuxCnc, Self::Siemens, Self::Heidenhain];
+
+    /// What its controls can do besides and usually can, each ended by words of their own at the beginning of a program.
+    pub fn usual_options(self) -> &'static [&'static str] {
+        match self {
+            Self::Fanuc => &["G69", "G15", "G50"],
+            Self::LinuxCnc => &[],
+            Self::Siemens => &["TRAFOOF", "TRANS", "COMPOF"],
+            Self::Heidenhain => &["CYCL DEF 7", "CYCL DEF 8", "CYCL DEF 10", "CYCL DEF 11"],
+        }
+    }
+
+    /// The same with those that fewer of its controls have.
+    fn options(self) -> &'static [&'static str] {
+        match self {
+            Self::Heidenhain => &[
+                "CYCL DEF 7",
+                "CYCL DEF 8",
+                "CYCL DEF 10",
+                "CYCL DEF 11",
+                "PLANE RESET STAY",
+                "M129",
+            ],
+            _ => self.usual_options(),
+        }
+    }
+
+    /// Finest decimals of an axis word.
+    fn most_decimals(self) -> usize {
+        match self {
+            Self::Heidenhain => 4,
+            _ => 6,
+        }
+    }
+
+    /// Whether a file holds subprograms behind the program.
+    pub fn divides(self) -> bool {
+        matches!(self, Self::Fanuc | Self::LinuxCnc)
+    }
+
+    /// The planes, by their normal, in which it drives arcs of one block; the others are chords.
+    pub fn turns_about(self, normal: usize) -> bool {
+        self != Self::Heidenhain || normal == 2
+    }
 
     /// Its name in a machine file.
     pub fn name(self) -> &'static str {
         match self {
             Self::Fanuc => "fanuc",
             Self::LinuxCnc => "linuxcnc",
+            Self::Siemens => "siemens",
+            Self::Heidenhain => "heidenhain",
         }
     }
 }
@@ -119,13 +168,24 @@ impl RawController {
             Dialect::ALL.into_iter().find(|dialect| dialect.name() == name).ok_or_else(|| {
                 Error::input(format!("unknown dialect `{name}`"))
                     .at(text.place(self.dialect.span()))
-                    .hint("write `dialect = \"fanuc\"` or `dialect = \"linuxcnc\"`")
+                    .hint(format!(
+                        "write one of `{}`",
+                        Dialect::ALL.map(Dialect::name).join("`, `")
+                    ))
             })?;
         let decimals = *self.decimals.get_ref();
-        if !(2..=6).contains(&decimals) {
+        let most = dialect.most_decimals();
+        if !(2..=most).contains(&decimals) {
             return Err(Error::input(format!("an axis word cannot have {decimals} decimals"))
                 .at(text.place(self.decimals.span()))
-                .hint("increment system IS-B has 3 decimals, IS-C has 4"));
+                .hint(format!(
+                    "give 2 to {most}: increment system IS-B has 3 decimals, IS-C has 4"
+                )));
+        }
+        if let Some(memory) = self.memory_kb.as_ref().filter(|_| !dialect.divides()) {
+            return Err(Error::input("programs of this control are not divided")
+                .at(text.place(memory.span()))
+                .hint("subprograms are files of their own there: leave `memory_kb` out"));
         }
         for block in [&self.look_ahead_on, &self.look_ahead_off] {
             check_look_ahead(block, dialect, text)?;
@@ -190,22 +250,17 @@ const LARGEST_KB: f64 = 65_536.0;
 /// N numbers go to 99999 and then begin anew, which leaves a hundred of them different.
 const LARGEST_STEP: u32 = 1000;
 
-/// What a Fanuc can do besides, each ended by a block of its own: rotation of coordinates, polar coordinates, scaling.
-const OPTIONS_OF_A_FANUC: [&str; 3] = ["G69", "G15", "G50"];
-
-/// All options of the dialect, or those of them that the file says the control has: of the others the word is an alarm.
+/// All options of the dialect that its controls usually have, or those that the file says the control has: of the others
+/// the word is an alarm.
 fn check_cancel(
     blocks: Option<Spanned<Vec<String>>>,
     dialect: Dialect,
     text: &Text<'_>,
 ) -> Result<Vec<String>> {
-    let options: &[&str] = match dialect {
-        Dialect::Fanuc => &OPTIONS_OF_A_FANUC,
-        Dialect::LinuxCnc => &[],
-    };
     let Some(blocks) = blocks else {
-        return Ok(options.iter().map(|&block| block.to_owned()).collect());
+        return Ok(dialect.usual_options().iter().map(|&block| block.to_owned()).collect());
     };
+    let options = dialect.options();
     let place = text.place(blocks.span());
     let blocks = blocks.into_inner();
     let unknown = |(k, block): (usize, &String)| {
@@ -213,27 +268,36 @@ fn check_cancel(
     };
     if let Some((_, block)) = blocks.iter().enumerate().find(|&of| unknown(of)) {
         let what = format!("`{}` is nothing to cancel once", block.escape_debug());
-        let hint = match dialect {
-            Dialect::Fanuc => {
-                "write those of `G69`, `G15` and `G50` that the control knows, each once"
-            }
-            Dialect::LinuxCnc => "LinuxCNC has nothing to cancel: leave `cancel_blocks` out",
+        let hint = if options.is_empty() {
+            "LinuxCNC has nothing to cancel: leave `cancel_blocks` out".to_owned()
+        } else {
+            format!("write those of `{}` that the control knows, each once", options.join("`, `"))
         };
         return Err(Error::input(what).at(place).hint(hint));
     }
     Ok(blocks)
 }
 
-/// A block around every arc switches the look-ahead and does nothing else: G05.1 Q, G05 P or G08 P with a number, alone.
+/// A block around every arc switches the look-ahead and does nothing else: on a Fanuc G05.1 Q, G05 P or G08 P with a number,
+/// alone; on a Siemens words that change how the path is followed and not where it leads.
 fn check_look_ahead(block: &Spanned<String>, dialect: Dialect, text: &Text<'_>) -> Result<()> {
     let written = block.get_ref();
-    let words: String = written.split_whitespace().collect();
-    let switches = |begin: &str| {
-        let argument = words.strip_prefix(begin);
-        argument.is_some_and(|n| !n.is_empty() && n.bytes().all(|c| c.is_ascii_digit()))
+    let words: Vec<&str> = written.split_whitespace().collect();
+    let known = match dialect {
+        Dialect::Fanuc => {
+            let joined = words.concat();
+            let switches = |begin: &str| {
+                let argument = joined.strip_prefix(begin);
+                argument.is_some_and(|n| !n.is_empty() && n.bytes().all(|c| c.is_ascii_digit()))
+            };
+            ["G05.1Q", "G5.1Q", "G05P", "G5P", "G08P", "G8P"].into_iter().any(switches)
+        }
+        Dialect::Siemens => words.iter().enumerate().all(|(k, word)| {
+            ["FFWON", "FFWOF", "SOFT", "BRISK"].contains(word) && !words[..k].contains(word)
+        }),
+        Dialect::LinuxCnc | Dialect::Heidenhain => false,
     };
-    let known = ["G05.1Q", "G5.1Q", "G05P", "G5P", "G08P", "G8P"];
-    if words.is_empty() || (dialect == Dialect::Fanuc && known.into_iter().any(switches)) {
+    if words.is_empty() || known {
         return Ok(());
     }
     Err(Error::input(format!("`{}` does not switch a look-ahead", written.escape_debug()))
@@ -242,6 +306,10 @@ fn check_look_ahead(block: &Spanned<String>, dialect: Dialect, text: &Text<'_>) 
             Dialect::Fanuc => {
                 "write `G05.1 Q1`, `G05 P10000` or `G08 P1`, off with 0, or leave it empty"
             }
+            Dialect::Siemens => {
+                "write `FFWON`, `SOFT` or both, off with `FFWOF`, or leave it empty"
+            }
             Dialect::LinuxCnc => "LinuxCNC has no word for it: leave it empty",
+            Dialect::Heidenhain => "a TNC has no word for it: leave it empty",
         }))
 }

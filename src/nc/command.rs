@@ -1,9 +1,9 @@
 //! What one block says: its words by address, its G words in force.
 
-use super::code::{Code, Miscellaneous, unknown};
+use super::code::{Code, Miscellaneous};
+use super::grammar::Grammar;
 use super::modal::Modal;
 use super::word::{Fault, Letters, Word};
-use crate::machine::Dialect;
 
 /// More words than this are no block.
 const MOST_WORDS: usize = 200;
@@ -16,12 +16,13 @@ pub(crate) struct Command<'a> {
     places: [u8; 26],
     /// G00 to G03 in this block.
     pub(crate) motion: Option<&'a Word>,
-    /// G04, G05, G05.1, G08 or G53.
+    /// G04, G05, G05.1, G08, G53 or a pole.
     pub(crate) one_shot: Option<(Code, &'a Word)>,
     /// G09.
     pub(crate) exact_stop: bool,
     /// G64 or G61 of a dialect in which they may have a tolerance, P and Q.
     pub(crate) tolerance: bool,
+    grammar: &'static Grammar,
     /// The M word.
     pub(crate) miscellaneous: Option<(Miscellaneous, &'a Word)>,
 }
@@ -31,7 +32,7 @@ impl<'a> Command<'a> {
     pub(crate) fn new(
         words: &'a [Word],
         modal: &mut Modal,
-        dialect: Dialect,
+        grammar: &'static Grammar,
     ) -> Result<Self, Fault> {
         if let Some(word) = words.get(MOST_WORDS) {
             return Err(Fault::word(word, "the block has too many words"));
@@ -43,13 +44,14 @@ impl<'a> Command<'a> {
             one_shot: None,
             exact_stop: false,
             tolerance: false,
+            grammar,
             miscellaneous: None,
         };
-        let mut groups = 0_u16;
+        let mut groups = 0_u32;
         for (index, word) in words.iter().enumerate() {
             match word.letter {
                 b'G' => {
-                    let code = Code::of(word, dialect)?;
+                    let code = grammar.code(word)?;
                     let (group, name) = code.group();
                     if groups & (1 << group) != 0 {
                         return Err(Fault::word(
@@ -62,10 +64,13 @@ impl<'a> Command<'a> {
                     match code {
                         Code::Motion(_) => command.motion = Some(word),
                         Code::ExactStopMode(_) => {
-                            command.tolerance = dialect == Dialect::LinuxCnc;
+                            command.tolerance = grammar.tolerance;
                         }
                         Code::ExactStop => command.exact_stop = true,
-                        Code::Dwell | Code::MachineCoordinates | Code::LookAhead(_) => {
+                        Code::Dwell
+                        | Code::MachineCoordinates
+                        | Code::Pole
+                        | Code::LookAhead(_) => {
                             command.one_shot = Some((code, word));
                         }
                         _ => {}
@@ -83,13 +88,15 @@ impl<'a> Command<'a> {
                     }
                     *place = index as u8 + 1;
                     if letter == b'M' {
-                        command.miscellaneous = Some((Miscellaneous::of(word)?, word));
+                        command.miscellaneous = Some((grammar.miscellaneous(word)?, word));
                     }
                 }
             }
         }
         // Last, because the feed is in the unit of the block, wherever G20 stands in it.
-        if let Some(word) = command.word(b'F') {
+        let times = matches!(command.one_shot, Some((Code::Dwell, _)));
+        let of_dwell = times && grammar.dwell.letters.has(b'F');
+        if let Some(word) = command.word(b'F').filter(|_| !of_dwell) {
             modal.set_feed(word)?;
         }
         Ok(command)
@@ -127,7 +134,7 @@ impl<'a> Command<'a> {
     /// Every other address would be skipped, and nothing is.
     pub(crate) fn allow_only(&self, letters: Letters) -> Result<(), Fault> {
         match self.words.iter().find(|word| !letters.has(word.letter)) {
-            Some(word) => Err(unknown(word)),
+            Some(word) => Err(self.grammar.unknown(word)),
             None => Ok(()),
         }
     }

@@ -1,25 +1,22 @@
 //! Comments of a program: what a control shows its operator, and must not take for anything else.
 
-use crate::machine::{Controller, Dialect, Machine};
+use super::spelling::Spelling;
+use crate::machine::{Controller, Machine};
 
 /// A control shows some tens of characters and reads blocks of 255.
 const LONGEST: usize = 200;
-/// Comments that begin so are commands to LinuxCNC: messages, logs, files, Python.
-const ACTIVE: [&str; 8] =
-    ["MSG", "PRINT", "DEBUG", "LOG", "PROBEOPEN", "PROBECLOSE", "ABORT", "PY"];
 
 /// A text as a comment: upper case, only characters that the machine file allows, and nothing that a control obeys.
 pub(super) fn of(controller: &Controller, text: &str) -> String {
     let allowed = &controller.comment_characters;
     let shown: String = text.to_uppercase().chars().flat_map(in_ascii).collect();
     let shown = shown.chars().filter(|c| {
-        c.is_ascii_alphanumeric() || (allowed.contains(*c) && !"()%;\n\r".contains(*c))
+        c.is_ascii_alphanumeric() || (allowed.contains(*c) && !"()%;~\n\r".contains(*c))
     });
     let shown: String = shown.take(LONGEST).collect();
     let begins = shown.trim_start();
-    if controller.dialect == Dialect::LinuxCnc
-        && ACTIVE.iter().any(|command| begins.starts_with(command))
-    {
+    let active = Spelling::of(controller.dialect).active;
+    if active.iter().any(|command| begins.starts_with(command)) {
         return format!("NAMED {begins}");
     }
     shown
@@ -61,12 +58,12 @@ pub fn with_warnings<'a>(
     machine: &Machine,
     warnings: impl Iterator<Item = &'a str>,
 ) -> String {
-    let warnings: Vec<String> = warnings
-        .map(|text| format!("({})\n", of(machine.controller(), &format!("NOT SAFE - {text}"))))
-        .collect();
-    let warnings = warnings.concat();
-    let title = program.match_indices('\n').nth(1).map_or(program.len(), |(at, _)| at + 1);
-    format!("{}{warnings}{}", &program[..title], &program[title..])
+    let spelling = Spelling::of(machine.controller().dialect);
+    let [open, close] = spelling.comment;
+    let told = |text: &str| of(machine.controller(), &format!("NOT SAFE - {text}"));
+    let lines: Vec<String> =
+        warnings.map(|text| format!("{open}{}{close}\n", told(text))).collect();
+    spelling.with(program, &lines)
 }
 
 #[cfg(test)]

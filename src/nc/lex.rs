@@ -3,8 +3,10 @@
 //! A line is read without copying: a word keeps where it stands, so that whatever is wrong with it later
 //! can be shown with a caret.
 
+use super::code::Code;
+use super::grammar::{Comments, Form, Grammar};
+use super::keyword::Keyword;
 use super::word::{Fault, Word};
-use crate::machine::Dialect;
 
 /// A number may have this many digits; all of them are exact in an `f64`.
 const MOST_DIGITS: u32 = 15;
@@ -29,13 +31,25 @@ pub(crate) enum Piece<'a> {
 pub(crate) struct Lexer<'a> {
     line: &'a str,
     at: usize,
-    dialect: Dialect,
+    grammar: &'static Grammar,
 }
 
 impl<'a> Lexer<'a> {
     /// Begins at the start of a line, which is given without its end of line.
-    pub(crate) fn new(line: &'a str, dialect: Dialect) -> Self {
-        Self { line, at: 0, dialect }
+    pub(crate) fn new(line: &'a str, grammar: &'static Grammar) -> Self {
+        Self { line, at: 0, grammar }
+    }
+
+    /// The number that begins at a byte of a line, as a word of a letter, and the byte behind it.
+    pub(crate) fn number(
+        line: &'a str,
+        at: usize,
+        letter: u8,
+        grammar: &'static Grammar,
+    ) -> Result<(Word, usize), Fault> {
+        let mut lexer = Self { line, at, grammar };
+        let word = lexer.word_of(letter, at)?;
+        Ok((word, lexer.at))
     }
 
     /// Goes on behind a fault; false where there is nothing behind it.
@@ -56,10 +70,18 @@ impl<'a> Lexer<'a> {
             return Ok(None);
         };
         match byte {
+            b'A'..=b'Z' | b'a'..=b'z' if self.grammar.form == Form::Keywords => {
+                self.keyword().map(Some)
+            }
             b'A'..=b'Z' | b'a'..=b'z' => self.word(byte.to_ascii_uppercase()).map(Some),
-            b'(' => self.comment().map(Some),
+            b'(' if self.grammar.comments != Comments::Semicolon => self.comment().map(Some),
             b'/' => self.delete().map(Some),
-            b';' if self.dialect == Dialect::LinuxCnc => {
+            b'%' if self.grammar.form == Form::Keywords && self.line.starts_with("%_N_") => {
+                // How an archive names the program that follows.
+                self.at = self.line.len();
+                Ok(Some(Piece::Comment(self.line.trim_end())))
+            }
+            b';' if self.grammar.comments != Comments::Parentheses => {
                 let text = self.line[self.at + 1..].trim();
                 self.at = self.line.len();
                 Ok((!text.is_empty()).then_some(Piece::Comment(text)))
@@ -81,6 +103,11 @@ impl<'a> Lexer<'a> {
         let start = self.at;
         self.at += 1;
         self.skip_blanks();
+        self.word_of(letter, start).map(Piece::Word)
+    }
+
+    /// The number at this place, as a word that begins at `start`.
+    fn word_of(&mut self, letter: u8, start: usize) -> Result<Word, Fault> {
         let number = self.at;
         let bytes = self.line.as_bytes();
         let (mut digits, mut after_point, mut mantissa) = (0_u32, 0_usize, 0_u64);
@@ -129,14 +156,67 @@ impl<'a> Lexer<'a> {
         };
         let size = mantissa as f64 / POWERS.get(after_point).copied().unwrap_or(1.0);
         let minus = bytes.get(number) == Some(&b'-');
-        Ok(Piece::Word(Word {
+        Ok(Word {
             // Minus zero would reach every coordinate and every table as "-0.000".
             value: if minus && size > 0.0 { -size } else { size },
             start: place,
             width,
             letter,
             point: points > 0,
-        }))
+            keyword: None,
+        })
+    }
+
+    /// A word, or one of more than a letter; `=` may stand before a value.
+    fn keyword(&mut self) -> Result<Piece<'a>, Fault> {
+        let start = self.at;
+        let rest = &self.line[start..];
+        let is_name = |c: &u8| c.is_ascii_alphabetic() || *c == b'_';
+        let name = &rest[..rest.bytes().take_while(is_name).count()];
+        let mut known = Keyword::SIEMENS.into_iter();
+        let span = start..start + name.len();
+        if let Some(keyword) = known.find(|known| known.name().eq_ignore_ascii_case(name)) {
+            self.at = span.end;
+            return Ok(Piece::Word(spelled(keyword, span)));
+        }
+        let radius = name.eq_ignore_ascii_case("CR");
+        if name.len() > 1 && !radius {
+            return Err(Fault::span(span, format!("{} is not known", name.to_ascii_uppercase()))
+                .hint(
+                    "nothing is skipped, because it may move the machine: remove it if it does not",
+                ));
+        }
+        let blanks = [' ', '\t'];
+        let value = rest[name.len()..].trim_start_matches(blanks);
+        let value = if let Some(value) = value.strip_prefix('=') {
+            let value = value.trim_start_matches(blanks);
+            let end = self.line.len() - value.len();
+            if value.starts_with(|c: char| c.is_ascii_alphabetic()) {
+                return Err(Fault::span(start..end + 1, "a value that is not a number")
+                    .hint("write the number itself, with G90 or G91 for all; I, J and K lead from the start of the arc"));
+            }
+            value
+        } else if radius {
+            return Err(
+                Fault::span(span, "CR without =").hint("write the radius of an arc as CR=150.")
+            );
+        } else {
+            value
+        };
+        let letter = if radius { b'R' } else { rest.as_bytes()[0].to_ascii_uppercase() };
+        if letter == b'R' && !radius {
+            return Err(Fault::span(span, "R parameters are not followed")
+                .hint("write the coordinates as numbers, and the radius of an arc as CR="));
+        }
+        if letter == b'O' {
+            return Err(Fault::span(span, "this control has no O numbers")
+                .hint("the file has the name of the program"));
+        }
+        self.at = self.line.len() - value.len();
+        let word = self.word_of(letter, start)?;
+        let no_offset = letter == b'D' && word.whole() == Some(0);
+        let word = if no_offset { spelled(Keyword::D0, start..self.at) } else { word };
+        Ok(Piece::Word(word))
     }
 
     fn comment(&mut self) -> Result<Piece<'a>, Fault> {
@@ -220,12 +300,21 @@ impl<'a> Lexer<'a> {
     }
 }
 
+/// A keyword as a word of the block.
+pub(crate) fn spelled(keyword: Keyword, span: std::ops::Range<usize>) -> Word {
+    let (start, width) = (span.start as u32, (span.end - span.start) as u32);
+    // Whoever looks for words of machine coordinates finds them by their number.
+    let value = if keyword.code() == Code::MachineCoordinates { 53.0 } else { 0.0 };
+    Word { value, start, width, letter: b'G', point: false, keyword: Some(keyword) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::machine::Dialect;
 
     fn only_word(line: &str) -> Word {
-        match Lexer::new(line, Dialect::Fanuc).piece() {
+        match Lexer::new(line, Grammar::of(Dialect::Fanuc)).piece() {
             Ok(Some(Piece::Word(word))) => word,
             other => panic!("{line}: {other:?}"),
         }
@@ -274,7 +363,7 @@ mod tests {
             ("X1.0.0", 0..6, "more than one decimal point"),
             ("X1234567890123456", 0..17, "16 digits"),
         ] {
-            let mut lexer = Lexer::new(line, Dialect::Fanuc);
+            let mut lexer = Lexer::new(line, Grammar::of(Dialect::Fanuc));
             let fault = loop {
                 match lexer.piece() {
                     Ok(Some(_)) => {}
@@ -289,7 +378,7 @@ mod tests {
 
     #[test]
     fn a_block_is_words_and_comments_up_to_its_end() {
-        let mut lexer = Lexer::new("/N10G1(TO THE POLE)x-1.5\tY2 ; ", Dialect::Fanuc);
+        let mut lexer = Lexer::new("/N10G1(TO THE POLE)x-1.5\tY2 ; ", Grammar::of(Dialect::Fanuc));
         let mut seen = Vec::new();
         while let Some(piece) = lexer.piece().unwrap() {
             seen.push(match piece {

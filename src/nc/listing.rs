@@ -4,19 +4,13 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 
+use super::grammar::{Form, Grammar};
+use super::klartext;
 use super::lex::{Lexer, Piece};
+use super::lines::{Line, lines, text};
 use super::reading::Reading;
 use super::word::{Fault, Word};
 use crate::error::{Error, Place, Result};
-
-/// A line of the file.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Line {
-    /// Counted from 1.
-    pub(crate) number: usize,
-    /// Byte of the source at which it begins.
-    start: usize,
-}
 
 /// What becomes of an error: the reader stops at it, the checker keeps it and goes on.
 pub(crate) type Refuse<'a> = dyn FnMut(Error) -> Result<()> + 'a;
@@ -63,6 +57,9 @@ pub(crate) struct Listing<'a> {
     pub(crate) between: (usize, usize),
     /// The last line of a file that begins with `%` and does not end with it.
     pub(crate) unclosed: Option<Line>,
+    grammar: &'static Grammar,
+    /// What is open from block to block of Klartext.
+    open: klartext::Open,
 }
 
 /// A larger program is refused before it is taken apart, which takes some ten times the memory.
@@ -96,6 +93,8 @@ impl<'a> Listing<'a> {
             by_number: BTreeMap::new(),
             between: (0, usize::MAX),
             unclosed: None,
+            grammar: Grammar::of(reading.dialect),
+            open: klartext::Open::default(),
         };
         let marks = listing.percent_lines(refuse)?;
         listing.between = (
@@ -115,7 +114,7 @@ impl<'a> Listing<'a> {
         if let Some(section) = listing.sections.last_mut() {
             section.blocks.end = listing.blocks.len();
         }
-        if marks.len() == 1 {
+        if marks.len() == 1 || (listing.grammar.form == Form::Klartext && !listing.open.ended) {
             listing.unclosed = listing.sections.last().map(|section| section.last);
         }
         Ok(listing)
@@ -153,6 +152,18 @@ impl<'a> Listing<'a> {
         (last.start + text(self.source, last).len() + 1).saturating_sub(start)
     }
 
+    /// The error of a file whose end is not there.
+    pub(crate) fn cut_off(&self, last: Line) -> Error {
+        let (begins, ends) = if self.grammar.form == Form::Klartext {
+            ("BEGIN PGM", "END PGM, the name and MM")
+        } else {
+            ("%", "a line %")
+        };
+        let fault = Fault::line(format!("the file begins with {begins} and does not end with it"))
+            .hint(format!("the file may have been cut off; end it with {ends}"));
+        self.locate(last, fault)
+    }
+
     /// An error of the file as a whole.
     pub(crate) fn whole(&self, what: impl Into<String>) -> Error {
         Error::input(what).at(Place::file(self.file))
@@ -186,6 +197,9 @@ impl<'a> Listing<'a> {
     /// The lines of the first two `%`. What stands before the first is the header of the file, what stands
     /// after the second is none of the control's business.
     fn percent_lines(&self, refuse: &mut Refuse<'_>) -> Result<Vec<Line>> {
+        if self.grammar.form != Form::Numbered {
+            return Ok(Vec::new());
+        }
         let is_mark = |line: &Line| text(self.source, *line).trim_start().starts_with('%');
         let marks: Vec<Line> = lines(self.source).filter(is_mark).take(2).collect();
         if let [mark] = marks[..] {
@@ -237,13 +251,16 @@ impl<'a> Listing<'a> {
     /// fault is read too: of several faults the first is told.
     fn pieces(
         &mut self,
-        text: &str,
+        text: &'a str,
         reading: &Reading,
         number: &mut Option<Word>,
     ) -> std::result::Result<bool, Fault> {
         let words = self.words.len();
         let (mut numbered, mut first) = (false, None);
-        let mut lexer = Lexer::new(text, reading.dialect);
+        if self.grammar.form == Form::Klartext {
+            return self.klartext(text);
+        }
+        let mut lexer = Lexer::new(text, self.grammar);
         loop {
             let fault = match lexer.piece() {
                 Ok(None) => break,
@@ -265,6 +282,18 @@ impl<'a> Listing<'a> {
             }
         }
         first.map_or(Ok(true), Err)
+    }
+
+    /// The same of a block of Klartext.
+    fn klartext(&mut self, text: &'a str) -> std::result::Result<bool, Fault> {
+        let mut block = klartext::Block::new(text, self.grammar);
+        let mut read = block.read(&mut self.open);
+        let (words, mut numbered, mut program) = (self.words.len(), false, None);
+        for piece in block.pieces {
+            let added = self.piece(piece, words, &mut numbered, &mut program);
+            read = read.and(added);
+        }
+        read.map(|()| true)
     }
 
     /// Adds a word or a comment of the block whose words begin at index `words`.
@@ -356,22 +385,4 @@ impl Section {
     fn new(line: Line, start: usize) -> Self {
         Self { number: None, blocks: start..start, last: line }
     }
-}
-
-/// All lines of a text. A block ends with LF, CR LF or LF CR CR, so that carriage returns can stand at
-/// both ends of a line.
-fn lines(source: &str) -> impl Iterator<Item = Line> {
-    let mut start = 0;
-    source.split('\n').enumerate().map(move |(index, text)| {
-        let blanks = text.len() - text.trim_start_matches('\r').len();
-        let line = Line { number: index + 1, start: start + blanks };
-        start += text.len() + 1;
-        line
-    })
-}
-
-/// The text of a line without its end.
-fn text(source: &str, line: Line) -> &str {
-    let rest = source.get(line.start..).unwrap_or("");
-    rest.split('\n').next().unwrap_or("").trim_end_matches('\r')
 }

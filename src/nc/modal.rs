@@ -2,14 +2,13 @@
 
 use super::code::{Code, Motion};
 use super::word::{Fault, Word};
-use crate::machine::Dialect;
 
 /// How many millimetres an inch has.
 const INCH_MM: f64 = 25.4;
 
 /// Which groups of modal words a program has set so far.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(crate) struct Stated(u16);
+pub(crate) struct Stated(u32);
 
 impl Stated {
     /// Whether a word of the group of this one was written.
@@ -75,6 +74,7 @@ impl Modal {
             | Code::ExactStop
             | Code::Dwell
             | Code::MachineCoordinates
+            | Code::Pole
             | Code::LookAhead(_) => {}
         }
     }
@@ -90,9 +90,9 @@ impl Modal {
         Ok(())
     }
 
-    /// The length that a word of X, Y, Z, I, J, K or R stands for, mm.
-    pub(crate) fn length_mm(&self, word: &Word, dialect: Dialect) -> f64 {
-        match (self.inch, word.point || dialect == Dialect::LinuxCnc) {
+    /// The length that a word of X, Y, Z, I, J, K or R stands for, mm: without a point it may count in increments.
+    pub(crate) fn length_mm(&self, word: &Word, increments: bool) -> f64 {
+        match (self.inch, word.point || !increments) {
             (false, true) => word.value,
             (false, false) => word.value / 1e3,
             (true, true) => word.value * INCH_MM,

@@ -3,8 +3,9 @@
 use nalgebra::Vector3;
 
 use super::arc::Ends;
-use super::code::{Code, Motion, unknown};
+use super::code::{Code, Motion};
 use super::command::Command;
+use super::grammar::{Form, Grammar};
 use super::modal::Modal;
 use super::program::{Move, Path};
 use super::reading::Reading;
@@ -34,20 +35,24 @@ pub(crate) enum Moved {
 #[derive(Debug)]
 pub(crate) struct Machine<'a> {
     reading: &'a Reading,
+    grammar: &'static Grammar,
     /// What stays in force from block to block.
     pub(crate) modal: Modal,
     /// Machine coordinates in mm of X, Y, Z, each known once it was commanded absolutely.
     position: [Option<f64>; 3],
+    /// The centre of arcs to come, likewise, in a dialect that states it beforehand.
+    pole: [Option<f64>; 3],
 }
 
 impl<'a> Machine<'a> {
     /// A machine that may stand anywhere.
     pub(crate) fn new(reading: &'a Reading) -> Self {
-        Self { reading, modal: Modal::default(), position: [None; 3] }
+        let grammar = Grammar::of(reading.dialect);
+        Self { reading, grammar, modal: Modal::default(), position: [None; 3], pole: [None; 3] }
     }
 
     fn length_mm(&self, word: &Word) -> f64 {
-        self.modal.length_mm(word, self.reading.dialect)
+        self.modal.length_mm(word, self.grammar.increments)
     }
 
     /// Takes over what a block that could not be followed puts in force and where it leads, as far as
@@ -56,8 +61,8 @@ impl<'a> Machine<'a> {
         for word in words {
             match word.letter {
                 b'G' => {
-                    if let Ok(code) = Code::of(word, self.reading.dialect) {
-                        if matches!(code, Code::Dwell | Code::MachineCoordinates) {
+                    if let Ok(code) = self.grammar.code(word) {
+                        if matches!(code, Code::Dwell | Code::MachineCoordinates | Code::Pole) {
                             return;
                         }
                         self.modal.apply(code);
@@ -92,6 +97,12 @@ impl<'a> Machine<'a> {
                 None => Ok(Moved::Not),
             };
         };
+        if let Some((Code::Pole, _)) = command.one_shot {
+            let at_mm = self.target(command)?;
+            let stated = |axis: usize| command.coordinate(axis).and(at_mm[axis]);
+            self.pole = [0, 1, 2].map(stated);
+            return Ok(Moved::Not);
+        }
         let Some(motion) = self.modal.motion else {
             return Err(Fault::word(first, "coordinates before the first G00, G01, G02 or G03")
                 .hint(
@@ -99,7 +110,7 @@ impl<'a> Machine<'a> {
                 ));
         };
         if let (Motion::Rapid | Motion::Line, Some(word)) = (motion, command.first(ARC)) {
-            return Err(unknown(word));
+            return Err(self.grammar.unknown(word));
         }
         let target = self.target(command)?;
         if motion == Motion::Rapid {
@@ -179,7 +190,8 @@ impl<'a> Machine<'a> {
                         format!("an incremental move from a place of {letter} that is not known"),
                     )
                     .hint(format!(
-                        "the machine may stand anywhere: position {letter} with G90 G00 first"
+                        "the machine may stand anywhere: position {letter} with {} first",
+                        self.grammar.rapid
                     ))
                 })?;
                 from + value
@@ -194,13 +206,19 @@ impl<'a> Machine<'a> {
     /// feeds, with G91 it is ignored or incremental.
     fn check_machine_coordinates(&self, word: &Word) -> Result<(), Fault> {
         if self.modal.motion != Some(Motion::Rapid) {
-            return Err(Fault::word(word, "G53 without G00").hint(
-                "whether G53 then feeds or positions depends on the control: write G00 G53",
-            ));
+            let name = word.name();
+            let rapid = self.grammar.rapid.rsplit(' ').next().unwrap_or_default();
+            return Err(Fault::word(word, format!("{name} without {rapid}")).hint(format!(
+                "whether {name} then feeds or positions depends on the control: write {}",
+                self.grammar.machine_rapid
+            )));
         }
         if self.modal.incremental {
-            return Err(Fault::word(word, "G53 with G91")
-                .hint("whether G53 is then obeyed depends on the control: write G90 G00 G53"));
+            let name = word.name();
+            return Err(Fault::word(word, format!("{name} with G91")).hint(format!(
+                "whether {name} is then obeyed depends on the control: write {}",
+                self.grammar.machine_rapid
+            )));
         }
         Ok(())
     }
@@ -226,13 +244,36 @@ impl<'a> Machine<'a> {
             let names = unknown.join(" and ");
             Fault::word(word, format!("a feed move from a place of {names} that is not known"))
                 .hint(format!(
-                    "the machine may stand anywhere: position {names} with G90 G00 first"
+                    "the machine may stand anywhere: position {names} with {} first",
+                    self.grammar.rapid
                 ))
         })
     }
 
+    /// The angle of an arc about the pole.
+    fn about_pole(&self, command: &Command, ends: Ends) -> Result<Path, Fault> {
+        let word = command.motion;
+        let fault = |what: String| {
+            word.map_or_else(|| Fault::line(what.clone()), |word| Fault::word(word, &*what))
+        };
+        let mut offset_mm = Vector3::zeros();
+        for (axis, name) in ["X", "Y", "Z"].into_iter().enumerate().filter(|(k, _)| *k != ends.axis)
+        {
+            let pole_mm = self.pole[axis].ok_or_else(|| {
+                fault(format!("an arc whose pole has no {name}")).hint(
+                    "write CC with both coordinates of the plane before C; TOOL CALL Z makes it XY",
+                )
+            })?;
+            offset_mm[axis] = pole_mm - ends.start_mm[axis];
+        }
+        ends.about(offset_mm).map_err(|none| fault(none.what).hint(none.hint))
+    }
+
     /// The centre and the angle of an arc.
     fn arc(&self, command: &Command, ends: Ends) -> Result<Path, Fault> {
+        if self.grammar.form == Form::Klartext {
+            return self.about_pole(command, ends);
+        }
         let centers = [b'I', b'J', b'K'].map(|letter| command.word(letter));
         let first_center = command.first(Letters::of(b"IJK"));
         let made = match (first_center, command.word(b'R')) {

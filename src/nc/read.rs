@@ -6,7 +6,6 @@ use super::listing::Listing;
 use super::program::Program;
 use super::reading::Reading;
 use super::run;
-use super::word::Fault;
 use crate::error::{Error, Place, Result};
 
 /// Reads a program.
@@ -43,9 +42,7 @@ pub(crate) fn read_at_most(
     let steps = run::run(&listing, reading, most_blocks, &mut Err)?.steps;
     // After the run, because a file that was cut off lacks its M30 too, and that is the better message.
     if let Some(line) = listing.unclosed {
-        let fault = Fault::line("the file begins with % and does not end with it")
-            .hint("the file may have been cut off; end it with a line %");
-        return Err(listing.locate(line, fault));
+        return Err(listing.cut_off(line));
     }
     Ok(Program {
         file: file.to_path_buf(),

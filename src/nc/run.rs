@@ -2,14 +2,15 @@
 
 use super::code::{Code, LookAhead, Miscellaneous};
 use super::command::Command;
-use super::listing::{Block, Line, Listing, Refuse};
+use super::grammar::{Dwell, Grammar};
+use super::lines::Line;
+use super::listing::{Block, Listing, Refuse};
 use super::modal::Stated;
 use super::position::{ARC, COORDINATES, Machine, Moved};
 use super::program::{Action, Path, Step};
 use super::reading::Reading;
 use super::word::{Fault, Letters, Word};
 use crate::error::Result;
-use crate::machine::Dialect;
 
 /// A program that runs more blocks than this repeats itself without bound.
 pub(crate) const MOST_BLOCKS: usize = 20_000_000;
@@ -97,6 +98,7 @@ pub(crate) fn run(
     let mut runner = Runner {
         listing,
         reading,
+        grammar: Grammar::of(reading.dialect),
         machine: Machine::new(reading),
         label: 0,
         ran: Ran {
@@ -116,6 +118,7 @@ pub(crate) fn run(
 struct Runner<'a> {
     listing: &'a Listing<'a>,
     reading: &'a Reading,
+    grammar: &'static Grammar,
     machine: Machine<'a>,
     /// The last comment that was run through.
     label: usize,
@@ -190,8 +193,9 @@ impl Runner<'_> {
         let words = self.listing.words(block);
         self.machine.assume(words);
         self.mark(block, None);
-        let function =
-            |word: &Word| (word.letter == b'M').then(|| Miscellaneous::of(word).ok()).flatten();
+        let function = |word: &Word| {
+            (word.letter == b'M').then(|| self.grammar.miscellaneous(word).ok()).flatten()
+        };
         let leaves = |word: &Word| {
             matches!(function(word), Some(Miscellaneous::End | Miscellaneous::Return))
         };
@@ -233,10 +237,10 @@ impl Runner<'_> {
         if words.is_empty() || block.faulty {
             return Ok(Next::Block);
         }
-        let command = Command::new(words, &mut self.machine.modal, self.reading.dialect)?;
+        let command = Command::new(words, &mut self.machine.modal, self.grammar)?;
         match command.one_shot {
             Some((Code::Dwell, word)) => {
-                let seconds = dwell(&command, word, self.reading.dialect)?;
+                let seconds = dwell(&command, word, &self.grammar.dwell)?;
                 self.step(block, Action::Dwell { seconds });
             }
             Some((Code::LookAhead(function), word)) => look_ahead(&command, function, word)?,
@@ -249,7 +253,7 @@ impl Runner<'_> {
                     letters = letters.and(Letters::of(b"PQ"));
                 }
                 command.allow_only(letters)?;
-                if let Some((_, word)) = command.one_shot {
+                if let Some((Code::MachineCoordinates, word)) = command.one_shot {
                     self.mark(block, Some(*word));
                 }
                 let moved = self.machine.motion(&command)?;
@@ -333,34 +337,31 @@ impl Runner<'_> {
 }
 
 /// The duration of G04, s.
-fn dwell(command: &Command, word: &Word, dialect: Dialect) -> std::result::Result<f64, Fault> {
-    let (times, hint) = match dialect {
-        Dialect::Fanuc => {
-            (Letters::of(b"PXU"), "write G04 P2000 or G04 X2.0 for two seconds, alone in a block")
-        }
-        Dialect::LinuxCnc => {
-            (Letters::of(b"P"), "write G04 P2.0 for two seconds, alone in a block")
-        }
-    };
+fn dwell(command: &Command, word: &Word, written: &Dwell) -> std::result::Result<f64, Fault> {
+    let hint = written.hint;
     if let Some(other) = command.motion.or(command.jump()) {
         return Err(
             Fault::word(other, format!("{} beside {}", other.name(), word.name())).hint(hint)
         );
     }
-    command.allow_only(ANYWHERE.and(times))?;
+    let beside = if written.alone { Letters::of(b"G") } else { ANYWHERE };
+    command.allow_only(beside.and(written.letters))?;
     let given: Vec<&Word> =
-        [b'P', b'X', b'U'].into_iter().filter_map(|letter| command.word(letter)).collect();
+        (b'A'..=b'Z').filter(|l| written.letters.has(*l)).filter_map(|l| command.word(l)).collect();
     let [time] = given[..] else {
         return Err(Fault::word(word, "a dwell needs one time").hint(hint));
     };
+    if written.alone && command.len() > 2 {
+        return Err(Fault::word(word, "a dwell is not alone in its block").hint(hint));
+    }
     if time.value < 0.0 {
         return Err(Fault::word(time, "the time of a dwell is negative").hint(hint));
     }
-    if dialect == Dialect::Fanuc && time.point && time.letter == b'P' {
+    if written.milliseconds && time.point && time.letter == b'P' {
         return Err(Fault::word(time, "the time of a dwell by P has a decimal point")
             .hint("P counts whole milliseconds; write X or U for seconds: G04 X2.0"));
     }
-    let counts_s = dialect == Dialect::LinuxCnc || time.point;
+    let counts_s = !written.milliseconds || time.point;
     let seconds = if counts_s { time.value } else { time.value / 1e3 };
     if seconds > LONGEST_DWELL_S {
         return Err(

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use super::keyword::Keyword;
+
 /// What is wrong within one line; the line itself is added where it is known.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Fault {
@@ -50,6 +52,8 @@ pub(crate) struct Word {
     pub(crate) letter: u8,
     /// Whether the number has a decimal point, which changes its unit.
     pub(crate) point: bool,
+    /// What stands for this address and number where that is more than a letter and a number.
+    pub(crate) keyword: Option<Keyword>,
 }
 
 impl Word {
@@ -59,8 +63,11 @@ impl Word {
         fits.then_some(self.value as u32)
     }
 
-    /// The word as programs are usually written: `G04`, `G05.1`, `M30`, `X-1.5`.
+    /// The word as programs are usually written: `G04`, `G05.1`, `M30`, `X-1.5`, `SUPA`.
     pub(crate) fn name(&self) -> String {
+        if let Some(keyword) = self.keyword {
+            return keyword.name().to_owned();
+        }
         let letter = char::from(self.letter);
         match self.whole() {
             Some(number) if matches!(self.letter, b'G' | b'M') => format!("{letter}{number:02}"),

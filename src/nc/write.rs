@@ -3,6 +3,7 @@
 use askama::Template;
 
 use super::header;
+use super::spelling::Spelling;
 use super::writer::{Line, Writer};
 use crate::error::{Error, Kind, Place, Result};
 use crate::machine::{Dialect, Machine};
@@ -11,7 +12,7 @@ use crate::plan::{Path, Step, Test};
 #[derive(Template)]
 #[template(path = "fanuc.nc", escape = "none")]
 struct Fanuc<'a> {
-    number: &'a str,
+    name: &'a str,
     title: &'a str,
     header: &'a [String],
     lines: &'a [Line],
@@ -22,7 +23,25 @@ struct Fanuc<'a> {
 #[derive(Template)]
 #[template(path = "linuxcnc.nc", escape = "none")]
 struct LinuxCnc<'a> {
-    number: &'a str,
+    name: &'a str,
+    title: &'a str,
+    header: &'a [String],
+    lines: &'a [Line],
+}
+
+#[derive(Template)]
+#[template(path = "siemens.mpf", escape = "none")]
+struct Siemens<'a> {
+    name: &'a str,
+    title: &'a str,
+    header: &'a [String],
+    lines: &'a [Line],
+}
+
+#[derive(Template)]
+#[template(path = "heidenhain.h", escape = "none")]
+struct Heidenhain<'a> {
+    name: &'a str,
     title: &'a str,
     header: &'a [String],
     lines: &'a [Line],
@@ -90,8 +109,11 @@ fn render(test: &Test, machine: &Machine, path: &Path, subprograms: Option<u32>)
         .hint("write `interpolation = \"chords\"` in `[plan]`, or give the control the `decimals` that it has"));
     }
     let mounting = &test.mountings()[path.mounting];
+    let spelling = Spelling::of(machine.controller().dialect);
+    check_offset(test, machine, mounting.work_offset)?;
     let mut writer = Writer {
         controller: machine.controller(),
+        spelling,
         lines: Vec::new(),
         subprograms: Vec::new(),
         next: subprograms,
@@ -102,13 +124,23 @@ fn render(test: &Test, machine: &Machine, path: &Path, subprograms: Option<u32>)
         feeding: false,
         feed_in_force: String::new(),
     };
-    writer.block("G21 G17 G90 G94 G40 G49 G80");
-    for words in &machine.controller().cancel_blocks {
+    for words in spelling.safe {
         writer.block(words);
     }
-    writer.block("M05");
-    writer.block("M09");
-    writer.block(&format!("G{}", mounting.work_offset));
+    for option in &machine.controller().cancel_blocks {
+        for words in Spelling::option(option) {
+            writer.block(words);
+        }
+    }
+    for words in spelling.off {
+        writer.block(words);
+    }
+    if spelling.zero.is_none() {
+        writer.block(&format!("G{}", mounting.work_offset));
+    }
+    if let Some(words) = spelling.arc_plane.filter(|_| path.steps.iter().any(circular)) {
+        writer.block(words);
+    }
     let n = writer.n();
     writer.lines.push(Line::Cutting(n));
     writer.steps(&path.steps);
@@ -116,13 +148,16 @@ fn render(test: &Test, machine: &Machine, path: &Path, subprograms: Option<u32>)
     writer.lines.push(Line::End(n));
     writer.lines.append(&mut writer.subprograms);
     let comment = |text: String| writer.comment(&text);
-    let number_of = format!("{:04}", plan.program_number + path.mounting as u32);
+    let name = spelling.name(plan.program_number + path.mounting as u32);
     let title = comment(header::title(plan, mounting));
-    let header: Vec<String> = header::lines(test, machine, path).into_iter().map(comment).collect();
-    let (number, title, header, lines) = (&*number_of, &*title, &header[..], &writer.lines[..]);
+    let header = header::lines(test, machine, path, spelling);
+    let header: Vec<String> = header.into_iter().map(comment).collect();
+    let (name, title, header, lines) = (&*name, &*title, &header[..], &writer.lines[..]);
     let rendered = match machine.controller().dialect {
-        Dialect::Fanuc => Fanuc { number, title, header, lines }.render(),
-        Dialect::LinuxCnc => LinuxCnc { number, title, header, lines }.render(),
+        Dialect::Fanuc => Fanuc { name, title, header, lines }.render(),
+        Dialect::LinuxCnc => LinuxCnc { name, title, header, lines }.render(),
+        Dialect::Siemens => Siemens { name, title, header, lines }.render(),
+        Dialect::Heidenhain => Heidenhain { name, title, header, lines }.render(),
     };
     let mut text = rendered.map_err(|error| {
         Error::new(Kind::Output, format!("the program template cannot be filled: {error}"))
@@ -130,5 +165,26 @@ fn render(test: &Test, machine: &Machine, path: &Path, subprograms: Option<u32>)
     if !text.ends_with('\n') {
         text.push('\n');
     }
-    Ok(text)
+    Ok(if spelling.numbered { spelling.number(&text) } else { text })
+}
+
+/// Whether the control has the work offset of a mounting.
+fn check_offset(test: &Test, machine: &Machine, work_offset: u8) -> Result<()> {
+    let offsets = Spelling::of(machine.controller().dialect).offsets;
+    let (known, hint) = match offsets {
+        [] => (
+            work_offset == 54,
+            "on this control the operator chooses the datum: leave `work_offset` out".to_owned(),
+        ),
+        [first, .., last] | [first @ last] => (
+            offsets.contains(&work_offset),
+            format!("on this control work offsets are G{first} to G{last}"),
+        ),
+    };
+    if known {
+        return Ok(());
+    }
+    Err(Error::input(format!("the control has no work offset G{work_offset}"))
+        .at(Place::file(test.file()))
+        .hint(hint))
 }

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::comment;
+use super::spelling::{Centre, Spelling};
 use crate::machine::Controller;
 use crate::plan::{Circular, Plane, Step};
 
@@ -16,6 +17,8 @@ pub(super) enum Line {
     /// Cutting mode: no stop at the end of a block.
     Cutting(String),
     Dwell(String, Seconds),
+    /// The program waits for the operator, with what he is asked to do.
+    Stop(String, String),
     Call(String, u32),
     End(String),
     /// A subprogram begins.
@@ -32,7 +35,7 @@ impl Seconds {
         format!("{:.0}", self.0 * 1000.0)
     }
 
-    /// In seconds, as LinuxCNC counts.
+    /// In seconds, as the others count.
     pub(super) fn decimal(&self) -> String {
         format!("{:.3}", self.0)
     }
@@ -65,6 +68,7 @@ fn number(value: f64) -> String {
 /// The lines of a program while they come about.
 pub(super) struct Writer<'a> {
     pub(super) controller: &'a Controller,
+    pub(super) spelling: &'static Spelling,
     pub(super) lines: Vec<Line>,
     pub(super) subprograms: Vec<Line>,
     /// The number of the next subprogram, if arcs are subprograms.
@@ -147,17 +151,24 @@ impl Writer<'_> {
     /// The three axis words of a rounded point behind what is there; zero has no sign.
     fn words(&self, mut text: String, rounded: &[i64; 3]) -> String {
         text.reserve(40);
-        for (letter, value) in ["X", " Y", " Z"].into_iter().zip(*rounded) {
-            text.push_str(letter);
-            self.decimal(&mut text, value);
-        }
+        self.axes(&mut text, &[0, 1, 2], rounded);
         text
     }
 
-    /// A number in units of the last decimal behind what is there; zero has no sign.
+    /// Words of some axes behind what is there, blanks between them.
+    fn axes(&self, text: &mut String, axes: &[usize], rounded: &[i64; 3]) {
+        for (index, &axis) in axes.iter().enumerate() {
+            text.push_str(if index > 0 { [" X", " Y", " Z"][axis] } else { ["X", "Y", "Z"][axis] });
+            self.decimal(text, rounded[axis]);
+        }
+    }
+
+    /// A number in units of the last decimal behind what is there; zero has no minus.
     fn decimal(&self, text: &mut String, value: i64) {
         if value < 0 {
             text.push('-');
+        } else if self.spelling.plus {
+            text.push('+');
         }
         // Digits from the last; formatting by the library makes the whole seven times slower.
         let mut digits = [b'0'; 24];
@@ -174,18 +185,29 @@ impl Writer<'_> {
         text.extend(digits[at..].iter().map(|digit| char::from(*digit)));
     }
 
+    /// A positioning of some axes.
+    fn around(&mut self, [before, behind]: [&str; 2], axes: &[usize], rounded: &[i64; 3]) {
+        let mut words = before.to_owned();
+        self.axes(&mut words, axes, rounded);
+        self.block(&(words + behind));
+    }
+
     /// A straight move, with F where another is in force.
     fn feed(&mut self, point: &Vector3<f64>, feed_mm_s: f64) {
         let rounded = self.rounded(point);
-        let words = self.words("G01 ".to_owned(), &rounded);
+        let [before, behind] = self.spelling.line;
+        let words = self.words(before.to_owned(), &rounded);
         let feed = self.f(feed_mm_s);
-        self.block(&(words + &feed));
+        self.block(&(words + behind + &feed));
         (self.at, self.feeding) = (Some(rounded), true);
     }
 
     /// The F word with its blank where another one is in force.
     fn f(&mut self, feed_mm_s: f64) -> String {
-        let feed = number(feed_mm_s * 60.0);
+        let mut feed = number(feed_mm_s * 60.0);
+        if !self.spelling.point && feed.ends_with('.') {
+            feed.pop();
+        }
         if self.feed_in_force == feed {
             return String::new();
         }
@@ -205,16 +227,24 @@ impl Writer<'_> {
         if stays && arc.sweep_rad.abs() < std::f64::consts::PI {
             return;
         }
-        let mut words = plane_word(arc.plane).to_owned();
-        words += if arc.sweep_rad > 0.0 { " G03" } else { " G02" };
         // X before Y before Z, as everywhere.
         let mut letters = axes;
         letters.sort_unstable();
-        for (names, values) in [(["X", "Y", "Z"], to), (["I", "J", "K"], from.map(|at| -at))] {
+        let sense = self.spelling.arc[usize::from(arc.sweep_rad > 0.0)];
+        let mut words;
+        if self.spelling.centre == Centre::Pole {
+            let mut pole = "CC ".to_owned();
+            self.axes(&mut pole, &letters, &[0; 3]);
+            self.block(&pole);
+            words = "C ".to_owned();
+            self.axes(&mut words, &letters, &to);
+            words = words + " " + sense + " R0";
+        } else {
+            words = format!("{} {sense} ", plane_word(arc.plane));
+            self.axes(&mut words, &letters, &to);
             for axis in letters {
-                words += " ";
-                words += names[axis];
-                self.decimal(&mut words, values[axis]);
+                words += [" I", " J", " K"][axis];
+                self.decimal(&mut words, -from[axis]);
             }
         }
         words += &self.f(feed_mm_s);
@@ -230,22 +260,18 @@ impl Writer<'_> {
             }
             Step::Rapid(point) => {
                 let rounded = self.rounded(point);
-                self.block(&self.words("G00 ".to_owned(), &rounded));
+                self.around(self.spelling.rapid, &[0, 1, 2], &rounded);
                 self.at = Some(rounded);
                 self.feeding = false;
             }
             Step::Retract(z_mm) => {
                 let rounded = self.rounded(&Vector3::repeat(*z_mm));
-                let words = self.words(String::new(), &rounded);
-                let z = words.rsplit(' ').next().unwrap_or_default();
-                self.block(&format!("G00 G53 {z}"));
+                self.around(self.spelling.machine_rapid, &[2], &rounded);
                 self.at = None;
             }
             Step::Across(point) => {
                 let rounded = self.rounded(&(self.zero_mm + point));
-                let words = self.words(String::new(), &rounded);
-                let xy = words.rsplit_once(' ').map_or("", |(xy, _)| xy);
-                self.block(&format!("G00 G53 {xy}"));
+                self.around(self.spelling.machine_rapid, &[0, 1], &rounded);
                 self.at = None;
             }
             Step::Feed(point, feed_mm_s) => self.feed(point, *feed_mm_s),
@@ -257,10 +283,11 @@ impl Writer<'_> {
                     if self.at == Some(rounded) {
                         continue;
                     }
-                    let mode = if self.feeding { "" } else { "G01 " };
-                    let words = self.words(mode.to_owned(), &rounded);
+                    let [before, behind] =
+                        if self.feeding { [self.spelling.chord, ""] } else { self.spelling.line };
+                    let words = self.words(before.to_owned(), &rounded);
                     let feed = self.f(*feed_mm_s);
-                    self.lines.push(Line::Chord(words + &feed));
+                    self.lines.push(Line::Chord(words + behind + &feed));
                     self.feeding = true;
                     self.at = Some(rounded);
                 }
@@ -270,14 +297,15 @@ impl Writer<'_> {
                 self.lines.push(Line::Dwell(n, Seconds(*seconds)));
             }
             Step::Stop(text) => {
-                let comment = self.comment(text);
-                self.block(&format!("M00 ({comment})"));
+                let line = Line::Stop(self.n(), self.comment(text));
+                self.lines.push(line);
             }
             Step::Compare(point) => {
                 let place = self.words(String::new(), &self.rounded(point));
-                let comment = format!("IN G{} THIS MUST BE {place}", self.work_offset);
-                let comment = self.comment(&comment);
-                self.block(&format!("M00 ({comment})"));
+                let zero = self.spelling.zero(self.work_offset);
+                let comment = self.comment(&format!("IN {zero} THIS MUST BE {place}"));
+                let line = Line::Stop(self.n(), comment);
+                self.lines.push(line);
             }
             Step::LookAhead(on) => {
                 let words = if *on {

@@ -12,7 +12,7 @@ use super::step::{Circular, Step};
 use super::test_file::Test;
 use super::ways::Ways;
 use crate::error::{Error, Place, Result};
-use crate::machine::{Axis, Machine};
+use crate::machine::{Axis, Dialect, Machine};
 
 /// An arc of one block is looked at in steps of this angle, rad; a quarter of a turn is a whole number of them.
 const LOOK_RAD: f64 = TAU / 360.0;
@@ -44,10 +44,12 @@ impl Path {
         let plan = test.plan()?;
         let length_mm = test.bar_of(mounting).length_mm;
         let ways = Ways::of(test, machine, plan, mounting);
+        let dialect = machine.controller().dialect;
         let passes = plan.passes(mounting);
         let chords = |leg: &Leg| leg.driven().chords(length_mm, plan.chord_sag_mm);
-        let all: usize = passes.iter().map(chords).sum();
-        if plan.interpolation == Interpolation::Chords && all > MOST_CHORDS {
+        let in_chords = |leg: &&Leg| circle(&leg.arc, plan, dialect).is_none();
+        let all: usize = passes.iter().filter(in_chords).map(chords).sum();
+        if all > MOST_CHORDS {
             return Err(Error::input(format!("the arcs would be {all} chords"))
                 .at(Place::file(test.file()))
                 .hint("a program has a million moves at the most: allow more `chord_sag_um`, or drive fewer arcs"));
@@ -62,7 +64,7 @@ impl Path {
                     path.steps.push(Step::Dwell(plan.dwell_s));
                 }
                 Some((from, before_mm_s)) => {
-                    path.transit(plan, &from, (&driven.start, leg.feed_mm_s), length_mm);
+                    path.transit(plan, &from, (&driven.start, leg.feed_mm_s), (dialect, length_mm));
                     if plan.release_between_arcs {
                         let feeds = [before_mm_s, leg.feed_mm_s];
                         path.steps.extend(ways.again(&driven.start, feeds));
@@ -71,7 +73,7 @@ impl Path {
                 }
             }
             at = Some((driven.at(1.0), leg.feed_mm_s));
-            path.drive(leg, plan, length_mm);
+            path.drive(leg, plan, (dialect, length_mm));
         }
         let Some((end, feed_mm_s)) = at else {
             let name = test.mountings().get(mounting).map_or("", |named| named.name.as_str());
@@ -119,26 +121,26 @@ impl Path {
         plan: &PathPlan,
         from: &UnitVector3<f64>,
         (to, feed_mm_s): (&UnitVector3<f64>, f64),
-        length_mm: f64,
+        (dialect, length_mm): (Dialect, f64),
     ) {
         let arc = Arc::transit("TRANSIT", from, to);
         if arc.sweep_rad.abs() * length_mm > 1e-3 {
             self.pause(plan);
-            self.drive(Leg { arc, overshoot_rad: 0.0, feed_mm_s, transit: true }, plan, length_mm);
+            let leg = Leg { arc, overshoot_rad: 0.0, feed_mm_s, transit: true };
+            self.drive(leg, plan, (dialect, length_mm));
         }
         let dwell = self.legs.last().is_some_and(|leg| leg.transit);
         if dwell { self.steps.push(Step::Dwell(plan.dwell_s)) } else { self.pause(plan) }
     }
 
     /// Drives an arc with what belongs to it, without a stop.
-    fn drive(&mut self, leg: Leg, plan: &PathPlan, length_mm: f64) {
+    fn drive(&mut self, leg: Leg, plan: &PathPlan, (dialect, length_mm): (Dialect, f64)) {
         for (index, piece) in leg.pieces().into_iter().enumerate() {
             self.steps.push(Step::Comment(piece.name.clone()));
             if index == 0 {
                 self.steps.push(Step::LookAhead(true));
             }
-            let arcs = plan.interpolation == Interpolation::Arcs;
-            if let Some(plane) = Plane::of(&piece).filter(|_| arcs) {
+            if let Some(plane) = circle(&piece, plan, dialect) {
                 self.circular(&piece, plane, leg.feed_mm_s, length_mm);
                 continue;
             }
@@ -196,6 +198,12 @@ impl Path {
         }
         Ok(())
     }
+}
+
+/// The plane of an arc that is driven as one; none where it is divided into chords.
+fn circle(arc: &Arc, plan: &PathPlan, dialect: Dialect) -> Option<Plane> {
+    let plane = Plane::of(arc).filter(|plane| dialect.turns_about(plane.normal()));
+    plane.filter(|_| plan.interpolation == Interpolation::Arcs)
 }
 
 /// Lowest and highest coordinate of points, mm.

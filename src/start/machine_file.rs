@@ -2,7 +2,7 @@
 
 use super::commented::{Commented, number, numbers, quoted};
 use super::wish::Wish;
-use crate::machine::{Axis, Cylinder, Dialect, Pivot};
+use crate::machine::{Axis, Cylinder, Pivot};
 
 /// The text of the machine file of a wish.
 pub(super) fn machine_file(wish: &Wish) -> String {
@@ -68,8 +68,10 @@ fn controller(file: &mut Commented, wish: &Wish) {
     let words = |words: &str| quoted(if same { words } else { "" });
     file.key("look_ahead_on", &words(&of_base.look_ahead_on));
     file.key("look_ahead_off", &words(&of_base.look_ahead_off));
-    if wish.dialect == Dialect::Fanuc {
-        file.off("cancel_blocks", r#"["G69", "G15", "G50"]"#);
+    let options = wish.dialect.usual_options();
+    if !options.is_empty() {
+        let options: Vec<String> = options.iter().map(|&option| quoted(option)).collect();
+        file.off("cancel_blocks", &format!("[{}]", options.join(", ")));
     }
     file.key("path_acceleration_mm_s2", &number(of_base.path_acceleration_mm_s2));
     file.key("corner_stop_deg", &number(round(of_base.corner_stop_rad.to_degrees())));
@@ -79,7 +81,10 @@ fn controller(file: &mut Commented, wish: &Wish) {
     file.maybe("corner_tolerance_um", tolerance_um, "10.0");
     file.key("acceleration_change_ms", &number(round(of_base.acceleration_change_s * 1e3)));
     file.key("block_time_ms", &number(round(of_base.block_time_s * 1e3)));
-    file.maybe("memory_kb", of_base.memory_bytes.map(|bytes| bytes as f64 / 1024.0), "256.0");
+    if wish.dialect.divides() {
+        let memory_kb = of_base.memory_bytes.map(|bytes| bytes as f64 / 1024.0);
+        file.maybe("memory_kb", memory_kb, "256.0");
+    }
 }
 
 fn clearance(file: &mut Commented, wish: &Wish) {

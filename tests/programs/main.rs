@@ -4,6 +4,7 @@
 
 mod broken;
 mod cases;
+mod dialects;
 mod outside;
 mod planes;
 mod rs274;

@@ -15,7 +15,7 @@ const PLACES: [(&str, &str); 2] =
     [("hu40t.toml", "[20.0, -35.0, 40.0]"), ("vertical.toml", "[20.0, -35.0, -250.0]")];
 
 /// The test of a plane that may have a feed of its own.
-fn planar(coincidence: &str, plan: &str) -> Test {
+pub(crate) fn planar(coincidence: &str, plan: &str) -> Test {
     let source = format!(
         "name = \"t\"\nmachine = \"m.toml\"\n[ball_bar]\nlength_mm = 150.0\n[[mounting]]\nname = \"A\"\n\
          coincidence_mm = {coincidence}\ntool_ball_mm = [0.0, 0.0, -200.0]\n[plan]\n{plan}\n"
@@ -23,7 +23,7 @@ fn planar(coincidence: &str, plan: &str) -> Test {
     Test::parse(&source, "t.toml".as_ref()).unwrap_or_else(|error| panic!("{error}\n{source}"))
 }
 
-fn errors(machine: &Machine, test: &Test, text: &str) -> Vec<String> {
+pub(crate) fn errors(machine: &Machine, test: &Test, text: &str) -> Vec<String> {
     let mut reading = nc::Reading::of(machine);
     reading.work_offsets_mm.insert(54, test.mountings()[0].mounting.coincidence_mm);
     let sphere = nc::Sphere::of(test, 0).unwrap();

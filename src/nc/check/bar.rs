@@ -6,8 +6,10 @@ use super::bodies::Bodies;
 use super::findings::Findings;
 use super::sphere::Sphere;
 use crate::error::Error;
-use crate::machine::{Axis, Dialect, Machine};
-use crate::nc::listing::{Line, Listing};
+use crate::machine::{Axis, Machine};
+use crate::nc::grammar::Grammar;
+use crate::nc::lines::Line;
+use crate::nc::listing::Listing;
 use crate::nc::program::{Action, Move, Step};
 use crate::nc::run::{Mark, Ran};
 use crate::nc::word::{Fault, Word};
@@ -170,7 +172,7 @@ impl Walk<'_, '_> {
                 "positioning passes {straight_mm:.3} mm from the workpiece ball, within the reach of the bar, {reach_mm:.3} mm"
             ));
         }
-        let bends = self.machine.controller().dialect == Dialect::Fanuc;
+        let bends = Grammar::of(self.machine.controller().dialect).bends;
         let nearest_mm = bends.then(|| self.sphere.dog_leg_mm(motion, self.machine)).flatten();
         let nearest_mm = nearest_mm.filter(|near| *near <= reach_mm)?;
         Some(format!(

@@ -38,6 +38,7 @@ pub use sphere::Sphere;
 
 use findings::Findings;
 
+use super::grammar::Grammar;
 use super::listing::Listing;
 use super::program::Program;
 use super::reading::Reading;
@@ -105,10 +106,11 @@ pub fn check(
     let listing = Listing::new(source, file, &reading, &mut keep)?;
     let ran = run::run(&listing, &reading, run::MOST_BLOCKS, &mut keep)?;
     let controller = machine.controller();
+    let grammar = Grammar::of(controller.dialect);
     text::check(&listing, controller, &mut findings);
     words::check(&listing, &ran, controller, &mut findings);
     path::check(&listing, &ran, machine, sphere.is_some(), &mut findings);
-    power_on::check(&listing, &ran, controller.dialect, &mut findings);
+    power_on::check(&listing, &ran, grammar, &mut findings);
     if let Some(sphere) = sphere {
         bar::check(&listing, &ran, machine, sphere, &mut findings);
     }

@@ -1,30 +1,14 @@
 //! Rule of what is in force before the program says anything: whoever was there before has left it.
 
 use super::findings::Findings;
-use crate::machine::Dialect;
 use crate::nc::code::Code;
-use crate::nc::listing::{Line, Listing};
+use crate::nc::grammar::Grammar;
+use crate::nc::lines::Line;
+use crate::nc::listing::Listing;
 use crate::nc::run::Ran;
 use crate::nc::word::Fault;
 
-/// What every path depends on, each group by the word that our programs write.
-const DEPENDS: [(Code, &str); 7] = [
-    (Code::Inch(false), "G21"),
-    (Code::Incremental(false), "G90"),
-    (Code::WorkOffset(54), "G54"),
-    (Code::Default(94), "G94"),
-    (Code::Default(40), "G40"),
-    (Code::Default(49), "G49"),
-    (Code::Default(80), "G80"),
-];
-/// What a path may depend on: the plane of arcs, stops at the ends of blocks.
-const MAY_DEPEND: [(Code, &str); 2] =
-    [(Code::Plane(2), "G17"), (Code::ExactStopMode(false), "G64")];
-/// What it depends on where a Fanuc has these options.
-const OPTIONS: [(Code, &str); 3] =
-    [(Code::Default(69), "G69"), (Code::Default(15), "G15"), (Code::Default(50), "G50")];
-
-pub(super) fn check(listing: &Listing, ran: &Ran, dialect: Dialect, findings: &mut Findings) {
+pub(super) fn check(listing: &Listing, ran: &Ran, grammar: &Grammar, findings: &mut Findings) {
     let Some((line, stated)) = ran.at_first_motion else { return };
     let missing = |words: &[(Code, &'static str)]| {
         let of = words.iter().filter(|(code, _)| !stated.has(*code));
@@ -35,7 +19,7 @@ pub(super) fn check(listing: &Listing, ran: &Ran, dialect: Dialect, findings: &m
         let hint = "what somebody left in force holds, and the path may be another: state it in the first blocks";
         listing.locate(line, Fault::line(what).hint(hint))
     };
-    let depends = missing(&DEPENDS);
+    let depends = missing(grammar.stating.depends);
     if !depends.is_empty() {
         findings.error("power-on", fault(line, &depends));
     }
@@ -44,17 +28,10 @@ pub(super) fn check(listing: &Listing, ran: &Ran, dialect: Dialect, findings: &m
     if let Some((line, stated)) = ran.at_first_arc
         && !stated.has(plane)
     {
-        findings.error("power-on", fault(line, "the plane of its arcs, G17, G18 or G19"));
+        let of_arcs = format!("the plane of its arcs, {}", grammar.stating.planes);
+        findings.error("power-on", fault(line, &of_arcs));
     }
-    let mut may = missing(&MAY_DEPEND);
-    if dialect == Dialect::Fanuc {
-        let options = missing(&OPTIONS);
-        may = [may, options]
-            .into_iter()
-            .filter(|names| !names.is_empty())
-            .collect::<Vec<_>>()
-            .join(", ");
-    }
+    let may = missing(grammar.stating.may_depend);
     if !may.is_empty() {
         findings.warning("power-on", fault(line, &may));
     }

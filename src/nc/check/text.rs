@@ -3,8 +3,10 @@
 use super::findings::Findings;
 
 use crate::machine::{Controller, Dialect};
+use crate::nc::grammar::Grammar;
 use crate::nc::lex::{Lexer, Piece};
-use crate::nc::listing::{Line, Listing};
+use crate::nc::lines::Line;
+use crate::nc::listing::Listing;
 use crate::nc::word::{Fault, Word};
 
 /// Longest block, characters: LinuxCNC reads 255, and no control needs more.
@@ -19,15 +21,13 @@ pub(super) fn check(listing: &Listing, controller: &Controller, findings: &mut F
         around(listing, findings);
     }
     if let Some(line) = listing.unclosed {
-        let fault = Fault::line("the file begins with % and does not end with it")
-            .hint("the file may have been cut off; end it with a line %");
-        findings.error("percent", listing.locate(line, fault));
+        findings.error("percent", listing.cut_off(line));
     }
     size(listing, controller, findings);
     look_ahead(listing, controller, findings);
     let mut numbers = vec![false; LARGEST_N + 1];
     for (line, text) in listing.lines() {
-        let head = head(text, controller.dialect);
+        let head = head(text, Grammar::of(controller.dialect));
         if let Some(Piece::Delete(at)) = head {
             let fault = Fault::span(at..at + 1, "whether this block runs depends on a switch")
                 .hint("take the slash or the block out: a test is driven the same every time");
@@ -59,13 +59,13 @@ pub(super) fn check(listing: &Listing, controller: &Controller, findings: &mut F
     }
 }
 
-fn head(text: &str, dialect: Dialect) -> Option<Piece<'_>> {
+fn head<'a>(text: &'a str, grammar: &'static Grammar) -> Option<Piece<'a>> {
     // Most blocks of a test begin with X: nothing to look at.
     let first = text.bytes().find(|byte| !byte.is_ascii_whitespace())?;
     if !matches!(first, b'/' | b'N' | b'n' | b'O' | b'o') {
         return None;
     }
-    Lexer::new(text, dialect).piece().ok().flatten()
+    Lexer::new(text, grammar).piece().ok().flatten()
 }
 
 /// What stands before, after and instead of the two `%`.
@@ -122,11 +122,9 @@ fn look_ahead(listing: &Listing, controller: &Controller, findings: &mut Finding
     };
     for block in [&controller.look_ahead_on, &controller.look_ahead_off] {
         let wanted = words(block);
-        let first = wanted.bytes().next();
-        let begins = |text: &str| text.contains('G') || text.contains('g');
-        if first.is_some()
-            && !listing.lines().any(|(_, text)| begins(text) && words(text) == wanted)
-        {
+        let Some(first) = wanted.bytes().next() else { continue };
+        let begins = |text: &str| text.bytes().any(|byte| byte.eq_ignore_ascii_case(&first));
+        if !listing.lines().any(|(_, text)| begins(text) && words(text) == wanted) {
             let error =
                 listing.whole(format!("no block `{block}`, which the machine file asks for")).hint(
                     "without look-ahead the control slows down at chords; write it around each arc",
