@@ -98,13 +98,20 @@ pub fn reading_of(machine: &Machine, test: &Test, mounting: usize) -> Reading {
     reading
 }
 
-/// A short test on the Fanuc, and two mountings on the LinuxCNC.
+/// A short test on the Fanuc, two mountings on the LinuxCNC, planes on a Siemens and a HEIDENHAIN control.
 ///
 /// # Panics
 /// When one of them cannot be planned: then there is nothing to begin with.
-pub static RIGS: LazyLock<[Rig; 2]> = LazyLock::new(|| {
-    [(FULL_MACHINE, SHORT_TEST), (OTHER_MACHINE, OTHER_TEST)].map(|(machine, test)| {
-        Rig::new(machine, test).unwrap_or_else(|error| panic!("a seed cannot be planned: {error}"))
+pub static RIGS: LazyLock<[Rig; 4]> = LazyLock::new(|| {
+    let speaks = |dialect: &str| OTHER_MACHINE.replace("linuxcnc", dialect);
+    [
+        (FULL_MACHINE.to_owned(), SHORT_TEST),
+        (OTHER_MACHINE.to_owned(), OTHER_TEST),
+        (speaks("siemens"), PLANES_TEST),
+        (speaks("heidenhain"), PLANES_TEST),
+    ]
+    .map(|(machine, test)| {
+        Rig::new(&machine, test).unwrap_or_else(|error| panic!("a seed cannot be planned: {error}"))
     })
 });
 

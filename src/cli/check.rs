@@ -79,9 +79,7 @@ impl On {
     fn mounting(&self, test: &Test, program: &str) -> Result<usize> {
         let mountings = test.mountings();
         let Some(name) = &self.mounting else {
-            let head = program.lines().find_map(|line| line.trim().strip_prefix('O'));
-            let digits = head.map(|text| text.split(|c: char| !c.is_ascii_digit()).next());
-            let number: Option<u32> = digits.flatten().and_then(|digits| digits.parse().ok());
+            let number = nc::number_in(program);
             let first = test.plan().map_or(0, |plan| plan.program_number);
             let index = number.and_then(|number| number.checked_sub(first)).unwrap_or(0) as usize;
             return Ok(if index < mountings.len() { index } else { 0 });

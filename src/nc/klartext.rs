@@ -296,7 +296,7 @@ impl<'a> Block<'a> {
             return Err(fault(token, "a decimal comma").hint("the decimal sign is a point"));
         }
         let at = token.0 + letters;
-        let (word, end) = Lexer::number(self.line, at, letter, self.grammar)?;
+        let (word, end) = Lexer::number(self.line, [token.0, at], letter, self.grammar)?;
         if end != token.0 + token.1.len() {
             return Err(fault(token, format!("`{}` is not a number", &token.1[letters..]))
                 .hint("an address is followed by one number, such as X-12.345"));

@@ -40,15 +40,15 @@ impl<'a> Lexer<'a> {
         Self { line, at: 0, grammar }
     }
 
-    /// The number that begins at a byte of a line, as a word of a letter, and the byte behind it.
+    /// The number at a byte of a line, as a word of a letter that begins before it, and the byte behind it.
     pub(crate) fn number(
         line: &'a str,
-        at: usize,
+        [start, at]: [usize; 2],
         letter: u8,
         grammar: &'static Grammar,
     ) -> Result<(Word, usize), Fault> {
         let mut lexer = Self { line, at, grammar };
-        let word = lexer.word_of(letter, at)?;
+        let word = lexer.word_of(letter, start)?;
         Ok((word, lexer.at))
     }
 

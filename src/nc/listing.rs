@@ -6,6 +6,7 @@ use std::path::Path;
 
 use super::grammar::{Form, Grammar};
 use super::klartext;
+use super::language;
 use super::lex::{Lexer, Piece};
 use super::lines::{Line, lines, text};
 use super::reading::Reading;
@@ -83,6 +84,8 @@ impl<'a> Listing<'a> {
                 .at(Place::file(file))
                 .hint("this is no program of a ball-bar test: a million chords have half of it"));
         }
+        let grammar = Grammar::of(reading.dialect);
+        language::check(source, file, grammar.form)?;
         let mut listing = Self {
             file,
             source,
@@ -93,7 +96,7 @@ impl<'a> Listing<'a> {
             by_number: BTreeMap::new(),
             between: (0, usize::MAX),
             unclosed: None,
-            grammar: Grammar::of(reading.dialect),
+            grammar,
             open: klartext::Open::default(),
         };
         let marks = listing.percent_lines(refuse)?;

@@ -344,6 +344,9 @@ fn dwell(command: &Command, word: &Word, written: &Dwell) -> std::result::Result
             Fault::word(other, format!("{} beside {}", other.name(), word.name())).hint(hint)
         );
     }
+    if written.alone && command.len() > 2 {
+        return Err(Fault::word(word, "a dwell is not alone in its block").hint(hint));
+    }
     let beside = if written.alone { Letters::of(b"G") } else { ANYWHERE };
     command.allow_only(beside.and(written.letters))?;
     let given: Vec<&Word> =
@@ -351,9 +354,6 @@ fn dwell(command: &Command, word: &Word, written: &Dwell) -> std::result::Result
     let [time] = given[..] else {
         return Err(Fault::word(word, "a dwell needs one time").hint(hint));
     };
-    if written.alone && command.len() > 2 {
-        return Err(Fault::word(word, "a dwell is not alone in its block").hint(hint));
-    }
     if time.value < 0.0 {
         return Err(Fault::word(time, "the time of a dwell is negative").hint(hint));
     }

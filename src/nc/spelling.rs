@@ -196,3 +196,16 @@ pub fn file_name(machine: &Machine, number: u32) -> String {
     let spelling = Spelling::of(machine.controller().dialect);
     format!("{}.{}", spelling.name(number), spelling.ending)
 }
+
+/// The number that a program says it has in its first lines, by which it is named.
+pub fn number_in(program: &str) -> Option<u32> {
+    let behind = |prefix: &str, text: &str| -> Option<u32> {
+        let digits: &str =
+            text.split(prefix).nth(1)?.split(|c: char| !c.is_ascii_digit()).next()?;
+        digits.parse().ok()
+    };
+    let numbered = program.lines().map(str::trim).find(|line| line.starts_with(FANUC.prefix));
+    let named = program.lines().take(SIEMENS.above.max(HEIDENHAIN.above));
+    let mut named = named.filter_map(|line| behind(SIEMENS.prefix, line));
+    named.next().or_else(|| behind(FANUC.prefix, numbered?))
+}

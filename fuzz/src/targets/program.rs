@@ -13,7 +13,10 @@ pub const WORDS: &[&str] = &[
     "G20", "G21", "G40", "G49", "G50", "G53", "G54", "G55", "G59", "G61", "G64", "G69", "G80",
     "G90", "G91", "G94", "M00", "M01", "M02", "M03", "M05", "M08", "M30", "M98", "M99", "P1000",
     "L9999", "P2000", "Q1", "X", "Y", "Z", "I", "J", "K", "R", "F", "S", "T", "U", "N", "O", "X-",
-    "Z1.", "R1.", "F500.", "(MSG,A)", ";", "%", "/",
+    "Z1.", "R1.", "F500.", "(MSG,A)", ";", "%", "/", "G710", "G4 F1", "SUPA", "D0", "TRANS",
+    "MCALL", "CR=", "X=1", "X=AC(1)", "%_N_A_MPF", "0 BEGIN PGM A MM", "L", "C", "CC", "DR+",
+    "DR-", "R0", "FMAX", "M91", "IX+1", "STOP", "TOOL CALL Z", "CYCL DEF 9.0", "CYCL DEF 9.1 DWELL 1",
+    "CYCL DEF 7.1 X+0", "CYCL DEF 10.1 ROT+0", "END PGM A MM", "X+1,5", "~",
 ];
 
 /// What runs long, and what nests deep.
@@ -34,6 +37,8 @@ const MADE: &[fn() -> Vec<u8>] = &[
 
 pub fn seeds() -> Vec<Vec<u8>> {
     let mut seeds = vec![
+        include_bytes!("../seeds/siemens.mpf").to_vec(),
+        include_bytes!("../seeds/klartext.h").to_vec(),
         include_bytes!("../seeds/words.nc").to_vec(),
         include_bytes!("../seeds/linuxcnc.nc").to_vec(),
     ];

@@ -2,7 +2,7 @@
 
 use super::findings::Findings;
 
-use crate::machine::{Controller, Dialect};
+use crate::machine::Controller;
 use crate::nc::grammar::Grammar;
 use crate::nc::lex::{Lexer, Piece};
 use crate::nc::lines::Line;
@@ -16,7 +16,8 @@ const LONGEST_BLOCK: usize = 255;
 const LARGEST_N: usize = 99_999;
 
 pub(super) fn check(listing: &Listing, controller: &Controller, findings: &mut Findings) {
-    let fanuc = controller.dialect == Dialect::Fanuc;
+    let grammar = Grammar::of(controller.dialect);
+    let fanuc = grammar.increments;
     if fanuc {
         around(listing, findings);
     }
@@ -27,7 +28,7 @@ pub(super) fn check(listing: &Listing, controller: &Controller, findings: &mut F
     look_ahead(listing, controller, findings);
     let mut numbers = vec![false; LARGEST_N + 1];
     for (line, text) in listing.lines() {
-        let head = head(text, Grammar::of(controller.dialect));
+        let head = head(text, grammar);
         if let Some(Piece::Delete(at)) = head {
             let fault = Fault::span(at..at + 1, "whether this block runs depends on a switch")
                 .hint("take the slash or the block out: a test is driven the same every time");

@@ -1,7 +1,8 @@
 //! Rules for single words: decimal points, decimals, dwells, spindle; and blocks that never run.
 
 use super::findings::Findings;
-use crate::machine::{Controller, Dialect};
+use crate::machine::Controller;
+use crate::nc::grammar::{Form, Grammar};
 use crate::nc::listing::Listing;
 use crate::nc::run::Ran;
 use crate::nc::word::{Fault, Word};
@@ -21,6 +22,7 @@ pub(super) fn check(
     controller: &Controller,
     findings: &mut Findings,
 ) {
+    let grammar = Grammar::of(controller.dialect);
     let mut inch = false;
     for block in &listing.blocks {
         let words = listing.words(block);
@@ -28,7 +30,7 @@ pub(super) fn check(
             |code: u32| words.iter().any(|word| word.letter == b'G' && word.whole() == Some(code));
         inch = (inch || g(20)) && !g(21);
         let dwell = g(4);
-        let rounds = g(64) && controller.dialect == Dialect::LinuxCnc;
+        let rounds = g(64) && grammar.tolerance;
         if let Some(fault) = rounds.then(|| merges(words)).flatten() {
             findings.warning("merged", listing.locate(block.line, fault));
         }
@@ -47,9 +49,7 @@ pub(super) fn check(
                 }
                 _ => None,
             };
-            if let Some((rule, error, fault)) =
-                found.filter(|_| controller.dialect == Dialect::Fanuc)
-            {
+            if let Some((rule, error, fault)) = found.filter(|_| grammar.increments) {
                 let error_text = listing.locate(block.line, fault);
                 if error {
                     findings.error(rule, error_text);
@@ -62,6 +62,11 @@ pub(super) fn check(
                     let fault = Fault::word(word, format!("{} turns the spindle", word.name()))
                         .hint("the bar hangs in the spindle: take the block out, and lock the spindle");
                     findings.error("spindle", listing.locate(block.line, fault));
+                }
+                (b'G', Some(71)) if grammar.form == Form::Keywords => {
+                    let fault = Fault::word(word, "G71 leaves the unit of F to the control")
+                        .hint("where its own unit is the inch, F is one of inches: write G710");
+                    findings.warning("feed-unit", listing.locate(block.line, fault));
                 }
                 (b'M', Some(8)) => {
                     let fault = Fault::word(word, "M08 turns the coolant on")

@@ -1,6 +1,7 @@
 //! Programs that are read, and programs that are refused.
 
 mod any_input;
+mod dialects;
 mod files;
 mod moves;
 mod refused;
