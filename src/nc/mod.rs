@@ -30,6 +30,9 @@
 //! machine may stand anywhere. A coordinate becomes known when it is first commanded absolutely, and a
 //! G00 from a place that is not known in X, Y and Z yields no step, because its duration is not known.
 //!
+//! **Siemens and Klartext** have the same moves in other words: [`Dialect`](crate::machine::Dialect) chooses the table that the words are
+//! looked up in, and the reference lists what is followed (`docs/reference.md`, Siemens and HEIDENHAIN).
+//!
 //! **LinuxCNC.** With the dialect `linuxcnc` a number counts in millimetres or inches with or without a
 //! point, a dwell is `G04 P` in seconds, `;` begins a comment, G64 and G61 may have P and Q, and G05,
 //! G05.1, G08, G09, G15, G50 and G69 are not known.

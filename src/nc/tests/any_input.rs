@@ -1,9 +1,12 @@
 //! No text makes the reader panic, and what it reads holds together.
 
+use nalgebra::Vector3;
 use proptest::prelude::*;
 
-use super::super::{Action, Path, Program};
+use super::super::read::read_at_most;
+use super::super::{Action, Path, Program, Reading};
 use super::try_text;
+use crate::machine::Dialect;
 
 const VALID: &str = "%\nO1 (A)\nN10 G21 G17 G90 G94 G40 G49 G80 G54 G64\nG00 X10. Y-5. Z0.\n\
     G01 X151.5 Y0. F500.\nG04 P2000\nM00 (FIT)\nG03 X-150. Y0. R151.\nG02 I150. Z1.\n\
@@ -51,6 +54,24 @@ proptest! {
     ) {
         if let Ok(program) = try_text(&source) {
             check(&program);
+        }
+    }
+
+    #[test]
+    fn any_text_of_a_siemens_or_a_tnc_is_read_or_refused(
+        siemens in "(G0|G1|G2|G3|G4|G9[01]|G710|SUPA|D0|CR=|[XYZIJKRFNO]=?[-+]?[0-9]{0,3}\\.?[0-9]?|[ ;%/()=\r]|\n|é|MCALL|AC\\(|M30\n){0,60}",
+        klartext in "([0-9]{1,2} |\n|L |C |CC |DR[-+] ?|R0 |FMAX ?|M91 ?|[XYZFMI][-+]?[0-9]{0,3}[.,]?[0-9]? ?|STOP|TOOL CALL [ZY5] ?|CYCL DEF [0-9]{1,2}\\.[0-3] |DWELL ?|[;~é]|M30\n){0,60}",
+    ) {
+        for (dialect, source) in [
+            (Dialect::Siemens, siemens),
+            (Dialect::Heidenhain, klartext.clone()),
+            (Dialect::Heidenhain, format!("0 BEGIN PGM A MM\n{klartext}\nM30\nEND PGM A MM\n")),
+        ] {
+            let mut reading = Reading { dialect, ..Reading::default() };
+            reading.work_offsets_mm.insert(54, Vector3::zeros());
+            if let Ok(program) = read_at_most(&source, "P".as_ref(), &reading, 10_000) {
+                check(&program);
+            }
         }
     }
 

@@ -132,7 +132,11 @@ pub fn render(analysis: &Analysis, shown: Shown) -> Result<String> {
 }
 
 /// The sections below page one.
-fn contents(analysis: &Analysis, circular: bool, ranked: bool) -> Vec<(&'static str, &'static str)> {
+fn contents(
+    analysis: &Analysis,
+    circular: bool,
+    ranked: bool,
+) -> Vec<(&'static str, &'static str)> {
     let machine = if analysis.is_local() {
         "The machine at the place of the test"
     } else {
