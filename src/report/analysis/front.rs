@@ -12,6 +12,7 @@ use super::{advice, figures, uncertain};
 use crate::error::{Error, Kind, Result};
 use crate::report::circular::facts::{CircularFacts, Verdict};
 use crate::report::circular::html::{self as circular, InShort};
+use crate::report::ranked::html as ranked;
 use crate::report::text::filters;
 use crate::report::text::markup::shortened;
 use crate::report::text::numbers::{fixed, many, signed, typeset};
@@ -61,6 +62,8 @@ struct Front {
 #[template(path = "front_tables.html")]
 struct Tables {
     circular: InShort,
+    /// The features of a plane; where there is none, the errors of the machine.
+    ranked: Option<ranked::InShort>,
     errors: Vec<ErrorRow>,
     more: usize,
     /// What the uncertainties count.
@@ -101,7 +104,6 @@ pub(super) fn section(
         other_circles,
         magnification,
         ways,
-        // The ranked table of features takes the place of these tables: here goes its call.
         tables: tables(analysis)?,
         to_do: advice::of(analysis),
         uncertain: uncertain::of(analysis),
@@ -230,6 +232,7 @@ fn tables(analysis: &Analysis) -> Result<String> {
     });
     rendered(&Tables {
         circular: circular::in_short(&analysis.circular, TESTS),
+        ranked: ranked::in_short(&analysis.ranking, ERRORS),
         errors: errors.collect(),
         more,
         uncertainty: if analysis.is_local() { "all" } else { "noise" },

@@ -241,7 +241,7 @@ mod tests {
                 let to = link.split('"').next().unwrap().strip_prefix('#').unwrap();
                 assert_eq!(html.matches(&format!("id=\"{to}\"")).count(), 1, "{set}: {to}");
             }
-            for (id, title) in contents(&fixture.analysis, true) {
+            for (id, title) in contents(&fixture.analysis, true, true) {
                 let section =
                     format!("<h2>{title}</h2></summary>\n<div class=\"section\" id=\"{id}\">");
                 assert_eq!(html.matches(&section).count(), 1, "{set}: {id}");

@@ -28,6 +28,46 @@ struct Row {
     cells: [String; 8],
 }
 
+/// The worst circular test on page one.
+pub(in crate::report) struct InShort {
+    /// The test and its deviation.
+    pub(in crate::report) title: String,
+    /// What falls: `G(b)`.
+    pub(in crate::report) deviation: &'static str,
+    pub(in crate::report) rows: Vec<ShortRow>,
+    /// So many features are in the section only.
+    pub(in crate::report) more: usize,
+}
+
+/// A feature on page one.
+pub(in crate::report) struct ShortRow {
+    pub(in crate::report) feature: String,
+    pub(in crate::report) value: String,
+    /// Of the value, by all that is not known.
+    pub(in crate::report) all: String,
+    pub(in crate::report) share: String,
+    pub(in crate::report) fall: String,
+    /// It stands out of what is not known of it.
+    pub(in crate::report) told: bool,
+}
+
+/// The features of the test with the largest deviation, the first of them; `None` where no test has any.
+pub(in crate::report) fn in_short(facts: &RankingFacts, most: usize) -> Option<InShort> {
+    let shown = terminal::worst_repeats(facts);
+    let worst = shown.into_iter().max_by(|a, b| a.deviation_um.total_cmp(&b.deviation_um))?;
+    let row = |of: &FeatureResult| {
+        let Row { told, cells: [feature, value, _, all, share, _, _, _] } = row(of);
+        let fall = typeset(&signed(of.fall_um, 2));
+        ShortRow { feature, value, all, share, fall, told }
+    };
+    Some(InShort {
+        title: format!("{}, {} {} µm", worst.test, worst.deviation, fixed(worst.deviation_um, 1)),
+        deviation: worst.deviation,
+        rows: worst.features.iter().take(most).map(row).collect(),
+        more: worst.features.len().saturating_sub(most),
+    })
+}
+
 /// The tables, as HTML without a page around them; empty where there are none.
 pub(in crate::report) fn section(facts: &RankingFacts) -> Result<String> {
     let shown = terminal::worst_repeats(facts);
