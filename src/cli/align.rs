@@ -25,7 +25,8 @@ pub(super) struct Arguments {
 impl Arguments {
     pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
         let identified = self.selection.identify(talk)?;
-        let mut files = Files::of(common, self.selection.read(&identified));
+        let own = identified.own(common)?;
+        let mut files = Files::in_own(common, &own, self.selection.read(&identified));
         for identification in &identified.campaign.repeats {
             for run in &identification.runs {
                 let mut text = Vec::new();
@@ -33,7 +34,7 @@ impl Arguments {
                 files.add(format!("samples-{}.csv", run.name), text);
             }
         }
-        let analysis = identified.analysis();
+        let analysis = identified.analysis_in(&own);
         let written = files.write()?;
         if common.json {
             let runs: Vec<_> = analysis.runs().collect();

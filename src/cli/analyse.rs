@@ -12,7 +12,8 @@ use crate::report::{self, Analysis};
 /// Align the logs of a test, identify the machine, say what the model gets wrong, write the report
 ///
 /// Writes report.html, analysis.json and samples-RUN.csv, where something was found model.toml, and prints
-/// the summary.
+/// the summary. Without -o they go to a folder of their own, out/DAY-NAME, after the day of the test (of [record],
+/// of the logs, else today) and its name; the same logs always to the same, other logs never to it.
 #[derive(Args)]
 #[command(after_help = "Examples:
   ballbar analyse test.toml
@@ -26,8 +27,9 @@ pub(super) struct Arguments {
 impl Arguments {
     pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
         let identified = self.selection.identify(talk)?.diagnosed(talk)?;
-        let analysis = identified.analysis();
-        let mut files = Files::of(common, self.selection.read(&identified));
+        let own = identified.own(common)?;
+        let analysis = identified.analysis_in(&own);
+        let mut files = Files::in_own(common, &own, self.selection.read(&identified));
         let json = add_results(&mut files, &identified, &analysis)?;
         files.deliver(common.json, talk, &json, &report::summary(&analysis))
     }

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 /// Options that every subcommand takes.
 #[derive(Args)]
 pub(super) struct Common {
-    /// Directory for results; made if it is not there [default: out]
+    /// Directory for results; made if it is not there [default: out; of an analysis a folder in it]
     #[arg(short, long, global = true, value_name = "DIR")]
     pub(super) output: Option<PathBuf>,
     /// Replace files in it that were not written by this program, or edited since

@@ -7,7 +7,7 @@ use super::common::Common;
 use super::estimate::Selection;
 use super::output::{self, Talk};
 use super::program::told;
-use super::results::Files;
+use super::results::{Files, Own};
 use crate::design::PlannedProgram;
 use crate::error::{Error, Kind, Place, Result};
 use crate::plan::Test;
@@ -19,7 +19,7 @@ const TEST: &str = "tests/data/hu40t/test.toml";
 /// Show the whole chain on five measured logs
 ///
 /// Writes the 3D6 program for the HU40-T and checks it by reading it back, analyses five logs of it, which
-/// are in the program, and writes program, report and samples.
+/// are in the program, and writes program, report and samples to `out/demo`.
 #[derive(Args)]
 pub(super) struct Arguments {}
 
@@ -41,8 +41,16 @@ impl Arguments {
         );
         let selection = Selection::of_file(file);
         let identified = selection.identify(talk)?.diagnosed(talk)?;
-        let analysis = identified.analysis();
-        let mut files = Files::of(common, selection.read(&identified));
+        // The files are gone when it is over, and are called as in the sources.
+        let unpacked = directory.path();
+        let analysis = identified.analysis_naming(&|file| {
+            let inside = std::fs::canonicalize(file).ok();
+            let root = std::fs::canonicalize(unpacked).ok();
+            let name = inside.zip(root).and_then(|(i, r)| Some(i.strip_prefix(r).ok()?.to_owned()));
+            name.map_or_else(|| file.to_owned(), |name| name.display().to_string())
+        });
+        let own = Own::named(common, "demo");
+        let mut files = Files::in_own(common, &own, selection.read(&identified));
         files.add(&written.file_name, written.text.clone());
         let json = add_results(&mut files, &identified, &analysis)?;
         let files = files.write()?.files;

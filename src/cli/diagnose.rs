@@ -33,7 +33,8 @@ impl Arguments {
             talk.say(&format!("left out: {run}: {}", reason.what));
         }
         let identified = identified.diagnosed(talk)?;
-        let analysis = identified.analysis();
+        let own = identified.own(common)?;
+        let analysis = identified.analysis_in(&own);
         for caution in identified.campaign.cautions() {
             talk.say(&format!("caution: {caution}"));
         }
@@ -41,7 +42,7 @@ impl Arguments {
             Error::new(Kind::Undetermined, "there is nothing to diagnose")
                 .hint("give the test file at least one `[[run]]`")
         })?;
-        let mut files = Files::of(common, self.selection.read(&identified));
+        let mut files = Files::in_own(common, &own, self.selection.read(&identified));
         add_results(&mut files, &identified, &analysis)?;
         let text = report::diagnosis_text(facts) + &report::place_text(&analysis);
         files.deliver(common.json, talk, &facts.to_json()?, &text)

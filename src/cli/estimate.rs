@@ -1,11 +1,13 @@
 //! Options and steps that `align`, `identify`, `analyse` and `demo` share.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
+use super::common::Common;
 use super::output::Talk;
+use super::results::{Own, path_from};
 use crate::diagnose::{self, Diagnosis};
 use crate::error::Result;
 use crate::identify::{Campaign, Failure};
@@ -104,13 +106,33 @@ impl Identified {
         Ok(self)
     }
 
-    /// What is told about it.
-    pub(super) fn analysis(&self) -> Analysis {
+    /// Where its results go.
+    pub(super) fn own(&self, common: &Common) -> Result<Own> {
+        let (record, began) = (&self.test.record().date, self.campaign.began());
+        let date = record.clone().or_else(|| began.map(|day| day.to_string()));
+        Own::choose(common, self.test.name(), date.as_deref(), &self.campaign.readings_sha256())
+    }
+
+    /// What is told about it, files named from the folder that it is written to.
+    pub(super) fn analysis_in(&self, folder: &Own) -> Analysis {
+        self.analysis_naming(&|file| {
+            if file == "-" {
+                return file.to_owned();
+            }
+            // Names that are no text are told as well as they can be.
+            path_from(folder.directory(), Path::new(file)).unwrap_or_else(|_| file.to_owned())
+        })
+    }
+
+    /// What is told about it, each file under another name.
+    pub(super) fn analysis_naming(&self, name: &dyn Fn(&str) -> String) -> Analysis {
         let Self { test, machine, campaign, diagnosis } = self;
-        match diagnosis {
+        let mut analysis = match diagnosis {
             Some(diagnosis) => Analysis::diagnosed(test, machine, campaign, diagnosis),
             None => Analysis::new(test, machine, campaign),
-        }
+        };
+        analysis.name_files(name);
+        analysis
     }
 
     /// The repeats as they are told: with what was found, and without.

@@ -25,9 +25,10 @@ pub(super) struct Arguments {
 impl Arguments {
     pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
         let identified = self.selection.identify(talk)?;
-        let analysis = identified.analysis();
+        let own = identified.own(common)?;
+        let analysis = identified.analysis_in(&own);
         let json = analysis.to_json()?;
-        let mut files = Files::of(common, self.selection.read(&identified));
+        let mut files = Files::in_own(common, &own, self.selection.read(&identified));
         files.add("analysis.json", json.clone());
         files.deliver(common.json, talk, &json, &report::summary(&analysis))
     }

@@ -72,9 +72,9 @@ impl Measured {
                 .at(Place::file(file))
                 .hint("analyse the test again with this version"));
         }
-        // As it was named from where the analysis was made, or beside the analysis.
+        // From the folder of the analysis; earlier versions named it as the command line did.
         let beside = file.parent().unwrap_or(Path::new("")).join(&analysis.test.file);
-        let test_file = if analysis.test.file.exists() { analysis.test.file } else { beside };
+        let test_file = if beside.exists() { beside } else { analysis.test.file };
         let test = Test::read(&test_file)?;
         if test.hash() != analysis.test.sha256 {
             return Err(Error::input("the test file is not the one that was analysed")

@@ -58,6 +58,8 @@ pub struct Answer {
     /// Standard deviation by the noise and by what these runs cannot tell from other plausible faults; `None` where
     /// nothing was taken for plausible.
     pub all: Option<f64>,
+    /// Standard deviation of what is plausible for it before anything is measured; `None` as above.
+    pub plausible: Option<f64>,
     /// What would look the same, the most first: only what makes more than a tenth of what is open.
     pub alike: Vec<Suspect>,
     /// The part of `noise` that all repeats have in common, one number for each independent combination of the numbers
@@ -157,6 +159,9 @@ fn answer(asked: Asked, row: &Row, model: &Model, of: &Known) -> Answer {
     alike.retain(|(_, o)| o * o > SHARE * square);
     alike.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
     let all = open.is_some().then(|| noise.hypot(square.sqrt()));
+    let each = weights.iter().zip(model.parameters());
+    let before = each.map(|(weight, parameter)| weight * parameter.plausible.unwrap_or(0.0));
+    let plausible = open.is_some().then(|| before.map(|b| b * b).sum::<f64>().sqrt());
     let suspect = |&(k, _): &(usize, f64)| {
         let fault = model.parameters().get(k).map(|parameter| Suspect::Fault(parameter.id));
         fault.unwrap_or(Suspect::Control)
@@ -164,7 +169,7 @@ fn answer(asked: Asked, row: &Row, model: &Model, of: &Known) -> Answer {
     let alike = alike.iter().map(suspect).collect();
     let in_common = of.effects.map(|effects| effects.transposed().times_vector(weights));
     let in_common = in_common.unwrap_or_default();
-    Answer { asked, value: row.all, noise, all, alike, in_common }
+    Answer { asked, value: row.all, noise, all, plausible, alike, in_common }
 }
 
 impl Asked {

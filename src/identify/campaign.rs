@@ -1,9 +1,12 @@
 //! All runs of a test: read, aligned, grouped by repeat and identified.
 
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 use std::sync::Arc;
 
+use jiff::civil::Date;
 use rayon::prelude::*;
+use sha2::{Digest, Sha256};
 
 use super::complete::explicit_terms;
 use super::exchanged;
@@ -14,6 +17,7 @@ use super::place;
 use super::result::Identification;
 use super::slip::identify_beside_slips;
 use crate::error::{Error, Result};
+use crate::log::Log;
 use crate::machine::{Machine, Mounting};
 use crate::model::{Form, HeldEffect, LOCAL, LocalFrame, Model};
 use crate::plan::{Run, Test};
@@ -281,6 +285,33 @@ impl Campaign {
             Some((_, error)) if repeats.is_empty() => Err(error.clone()),
             _ => Ok(Self { held: vec![Vec::new(); repeats.len()], repeats, left_out, ..empty }),
         }
+    }
+
+    /// The day on which the first of the logs began, where one says it.
+    pub fn began(&self) -> Option<Date> {
+        self.logs().filter_map(Log::began).min()
+    }
+
+    /// SHA-256 of all readings, in hexadecimal: the same of the same logs, whatever else a test file says of them.
+    pub fn readings_sha256(&self) -> String {
+        let mut hasher = Sha256::new();
+        for log in self.logs() {
+            hasher.update((log.readings().len() as u64).to_le_bytes());
+            for reading in log.readings() {
+                hasher.update(reading.time_s.to_bits().to_le_bytes());
+                let deviation_mm = reading.deviation_mm.unwrap_or(f64::NAN);
+                hasher.update(deviation_mm.to_bits().to_le_bytes());
+            }
+        }
+        hasher.finalize().iter().fold(String::new(), |mut text, byte| {
+            let _ = write!(text, "{byte:02x}");
+            text
+        })
+    }
+
+    fn logs(&self) -> impl Iterator<Item = &Log> {
+        let runs = self.measured.iter().flat_map(|repeat| &repeat.runs);
+        runs.filter_map(|run| Some(&run.as_ref().ok()?.log))
     }
 
     /// What speaks against the fits, none of it twice.

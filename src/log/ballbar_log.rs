@@ -7,6 +7,7 @@ use std::path::Path;
 
 use super::b5r::{BallbarFile, BarRun};
 use super::by_angle::{Angles, ByAngle, Turn, circularity};
+use super::day;
 use super::reading::{Log, Reading};
 use crate::error::{Error, Place, Result};
 use crate::plan::log_format::{Format, LengthUnit, ReadingKind};
@@ -113,7 +114,8 @@ pub(super) fn as_log(found: &BallbarFile, file: &Path, format: &Format) -> Resul
         feed_mm_s: found.feed_mm_min.map(|feed| feed / 60.0),
         nominal_mm: found.nominal_length_mm,
     };
-    Ok(Log::new(file, readings, notes).with_angles(by_angle))
+    let began = found.started.as_deref().and_then(|started| day::parse(started.get(..8)?));
+    Ok(Log::new(file, readings, notes).begun(began).with_angles(by_angle))
 }
 
 /// The unit of the readings: that in which they are as round as the file says, else the one that makes them readings of a bar.

@@ -1,13 +1,15 @@
 //! Times of day: what a logger writes that does not count seconds.
 //!
 //! Only differences matter here, so a date is not read: it only tells that midnight has passed. That spares every format of a
-//! date that there is, and the question which of them `02.03.26` has.
+//! date that there is, and the question which of them `02.03.26` has. That of the first line is kept for who files the results.
 
 use super::number::Fault;
 
 /// The times of a log while they are times of day.
 #[derive(Debug, Default)]
 pub(super) struct Clock {
+    /// What stood before the first time.
+    first_date: String,
     last: Option<Last>,
     /// Whole days, or hours of a clock that shows none, since the first line, s.
     passed_s: f64,
@@ -44,6 +46,11 @@ impl Clock {
         written.contains(':')
     }
 
+    /// What stood before the first time: a date, if there is one.
+    pub(super) fn first_date(&self) -> &str {
+        &self.first_date
+    }
+
     /// Seconds since the midnight before the first line.
     pub(super) fn parse(&mut self, written: &str) -> Result<f64, Fault> {
         let Written { date, time_s, turn_s } = read(written).ok_or_else(|| {
@@ -68,7 +75,12 @@ impl Clock {
         }
         match &mut self.last {
             Some(last) if last.date == date => last.time_s = time_s,
-            last => *last = Some(Last { date: date.to_owned(), time_s }),
+            last => {
+                if last.is_none() {
+                    date.clone_into(&mut self.first_date);
+                }
+                *last = Some(Last { date: date.to_owned(), time_s });
+            }
         }
         Ok(self.passed_s + time_s)
     }

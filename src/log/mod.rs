@@ -26,6 +26,7 @@ mod ballbar_log;
 mod by_angle;
 mod clock;
 mod columns;
+mod day;
 mod encoding;
 mod number;
 mod read;

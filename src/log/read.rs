@@ -41,7 +41,7 @@ fn read_plain(bytes: &[u8], file: &Path, format: &Format) -> Result<Log> {
     }
     let mut lines = lines(&text).skip(format.skip_lines);
     let header = find_header(file, &mut lines, format)?;
-    let Rows { readings, angles_deg, no_readings } =
+    let Rows { readings, angles_deg, no_readings, began } =
         Table::new(file, header, format, is_sheet)?.rows(lines)?;
     let noted = |(word, count): (String, usize)| {
         format!("{count} reading(s) are `{word}` and count as out of range")
@@ -69,7 +69,7 @@ fn read_plain(bytes: &[u8], file: &Path, format: &Format) -> Result<Log> {
             ),
         );
     }
-    let log = Log::new(file, readings, notes);
+    let log = Log::new(file, readings, notes).begun(began);
     if !matches!(format.time, TimeColumn::Angle { .. }) {
         return Ok(log);
     }

@@ -3,6 +3,8 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use jiff::civil::Date;
+
 use super::by_angle::ByAngle;
 
 /// One sample of a log.
@@ -24,6 +26,7 @@ pub struct Log {
     period_s: f64,
     notes: Vec<String>,
     by_angle: Option<ByAngle>,
+    began: Option<Date>,
 }
 
 impl Log {
@@ -36,7 +39,11 @@ impl Log {
             readings.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
         let middle = steps.len() / 2;
         let period_s = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
-        Self { file: file.to_path_buf(), readings, period_s, notes, by_angle: None }
+        Self { file: file.to_path_buf(), readings, period_s, notes, by_angle: None, began: None }
+    }
+
+    pub(super) fn begun(self, began: Option<Date>) -> Self {
+        Self { began, ..self }
     }
 
     pub(super) fn with_angles(self, by_angle: ByAngle) -> Self {
@@ -45,7 +52,7 @@ impl Log {
 
     /// The same log with times, for readings that had none: they increase, and there are two or more.
     pub(crate) fn timed(&self, readings: Vec<Reading>) -> Self {
-        Self::new(&self.file, readings, self.notes.clone())
+        Self::new(&self.file, readings, self.notes.clone()).begun(self.began)
     }
 
     /// The same log as it would be with its times and its readings in other units.
@@ -61,6 +68,7 @@ impl Log {
             period_s: time * self.period_s,
             notes: self.notes.clone(),
             by_angle: self.by_angle.clone(),
+            began: self.began,
         }
     }
 
@@ -81,6 +89,11 @@ impl Log {
     /// What the reader found by itself and the user should know, sentences without a full stop.
     pub fn notes(&self) -> &[String] {
         &self.notes
+    }
+
+    /// The day on which it began, where the file says it so that it can be read in one way only.
+    pub fn began(&self) -> Option<Date> {
+        self.began
     }
 
     /// Where its readings were taken, for a log by angle: its times then only count its readings.

@@ -3,8 +3,11 @@
 use std::ops::Range;
 use std::path::Path;
 
+use jiff::civil::Date;
+
 use super::clock::Clock;
 use super::columns::{Header, find_column};
+use super::day;
 use super::number::{Fault, Numbers, is_nines, is_no_reading};
 use super::reading::Reading;
 use super::text::{Line, quote, split};
@@ -182,7 +185,8 @@ impl<'a> Table<'a> {
             }
             readings.push(Reading { time_s, deviation_mm, line: line.number });
         }
-        Ok(Rows { readings, angles_deg, no_readings })
+        let began = day::parse(clock.first_date());
+        Ok(Rows { readings, angles_deg, no_readings, began })
     }
 
     fn deviation_mm(
@@ -292,6 +296,8 @@ pub(super) struct Rows {
     pub(super) angles_deg: Vec<f64>,
     /// What stood where there was no reading, and how often.
     pub(super) no_readings: Vec<(String, usize)>,
+    /// The day of the first, where its time says it.
+    pub(super) began: Option<Date>,
 }
 
 /// Words are short.

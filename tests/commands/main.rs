@@ -9,6 +9,7 @@ mod degrees;
 mod design;
 mod diagnose;
 mod files;
+mod folders;
 mod given;
 mod good;
 mod hide;

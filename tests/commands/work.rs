@@ -73,6 +73,17 @@ impl Work {
         self.ballbar_on("2", arguments)
     }
 
+    /// The same without a directory for results.
+    pub(crate) fn plain(&self, arguments: &[&str]) -> Outcome {
+        let output = std::process::Command::new(assert_cmd::cargo::cargo_bin!("ballbar"))
+            .env("RAYON_NUM_THREADS", "2")
+            .current_dir(self.directory.path())
+            .args(arguments)
+            .output()
+            .unwrap();
+        Outcome { output, results: self.path("results") }
+    }
+
     /// The same on a number of threads.
     pub(crate) fn ballbar_on(&self, threads: &str, arguments: &[&str]) -> Outcome {
         let output = std::process::Command::new(assert_cmd::cargo::cargo_bin!("ballbar"))

@@ -5,6 +5,7 @@
 //! | in it | is |
 //! | --- | --- |
 //! | `written` | names and hashes of what was written, as `sha256sum` has them |
+//! | `measured` | SHA-256 of the readings that all of it is of; only in a folder that the program has named |
 //! | `lock` | locked by the command that writes |
 //! | `staged` | files that are not complete yet; of no worth once their command is dead |
 //! | `next` | a complete set that is taking its place: `new` the files that come, `old` those that go, `written` |
@@ -50,6 +51,24 @@ impl Folder {
                 folder.set_right(overwrite)?;
                 return Ok(folder);
             }
+        }
+    }
+
+    /// Takes the folder for what was measured; says whether results of the same were here before.
+    ///
+    /// # Errors
+    /// When it holds results of something else.
+    pub(super) fn claim(&self, measured: &str) -> Result<bool> {
+        match measured_in(&self.directory) {
+            Some(there) if there == measured => Ok(true),
+            None if !self.own.join("written").exists() => {
+                let file = self.own.join("measured");
+                fs::write(&file, measured).map_err(|error| cannot_write(&file, &error))?;
+                Ok(false)
+            }
+            _ => Err(Error::new(Kind::Output, "another command has just written here")
+                .at(Place::file(&self.directory))
+                .hint("run it again: it will take the next folder")),
         }
     }
 
@@ -183,6 +202,7 @@ impl Drop for Folder {
     fn drop(&mut self) {
         let _ = fs::remove_dir_all(self.own.join("staged"));
         if !self.own.join("written").exists() && !self.own.join("next").exists() {
+            let _ = fs::remove_file(self.own.join("measured"));
             let _ = fs::remove_file(self.own.join("lock"));
             let _ = fs::remove_dir(&self.own);
             for directory in &self.made {
@@ -204,6 +224,11 @@ pub(super) fn set_right(directory: &Path, overwrite: bool) -> Result<()> {
         return Ok(());
     }
     Folder { directory: directory.to_path_buf(), own, lock, made: Vec::new() }.set_right(overwrite)
+}
+
+/// What was measured that the results in a directory are of, where the program has named it.
+pub(super) fn measured_in(directory: &Path) -> Option<String> {
+    fs::read_to_string(directory.join(".ballbar/measured")).ok()
 }
 
 fn manifest_in(next: &Path) -> Manifest {

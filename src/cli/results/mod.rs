@@ -6,6 +6,7 @@
 mod folder;
 mod interrupt;
 mod manifest;
+mod own;
 mod path_from;
 
 use std::path::{Path, PathBuf};
@@ -18,11 +19,14 @@ use folder::{Folder, cannot_write};
 use manifest::{Hash, Manifest};
 
 pub(super) use interrupt::heed as heed_interrupts;
+pub(super) use own::Own;
 pub(super) use path_from::path_from;
 
 /// The files of a command: nothing is written before all are ready.
 pub(super) struct Files {
     directory: PathBuf,
+    /// SHA-256 of the readings that they are of, in a folder that the program has named.
+    measured: Option<String>,
     overwrite: bool,
     /// Whether what is there stays, whoever wrote it.
     keep: bool,
@@ -40,6 +44,8 @@ pub(super) struct Written {
     pub(super) files: Vec<PathBuf>,
     /// Those of an earlier command that are gone.
     pub(super) removed: Vec<PathBuf>,
+    /// The folder, where it held results of the same readings that are not the same.
+    pub(super) replaced: Option<PathBuf>,
 }
 
 impl Files {
@@ -47,6 +53,7 @@ impl Files {
     pub(super) fn of(common: &Common, read: Vec<PathBuf>) -> Self {
         Self {
             directory: common.directory().to_path_buf(),
+            measured: None,
             overwrite: common.overwrite,
             keep: false,
             read,
@@ -55,10 +62,20 @@ impl Files {
         }
     }
 
+    /// None yet, for the folder of a test; `read` are the files that the command has read.
+    pub(super) fn in_own(common: &Common, own: &Own, read: Vec<PathBuf>) -> Self {
+        Self {
+            directory: own.directory.clone(),
+            measured: own.measured.clone(),
+            ..Self::of(common, read)
+        }
+    }
+
     /// None yet, for a directory in which nothing is replaced: what is written there is edited by its user.
     pub(super) fn kept(directory: &Path) -> Self {
         Self {
             directory: directory.to_path_buf(),
+            measured: None,
             overwrite: false,
             keep: true,
             read: Vec::new(),
@@ -97,13 +114,14 @@ impl Files {
 
     /// Writes all, or nothing.
     pub(super) fn write(self) -> Result<Written> {
-        let mut written = Written { files: Vec::new(), removed: Vec::new() };
+        let mut written = Written { files: Vec::new(), removed: Vec::new(), replaced: None };
         if self.ready.is_empty() {
             return Ok(written);
         }
         self.check_names()?;
         let _quiet = interrupt::hold();
         let folder = Folder::open(&self.directory, self.overwrite)?;
+        let again = self.measured.as_ref().map(|measured| folder.claim(measured)).transpose()?;
         let before = folder.manifest();
         let mut manifest = before.clone();
         for name in before.names() {
@@ -118,6 +136,9 @@ impl Files {
         for (name, content) in &self.ready {
             let hash = Hash::of(content);
             self.allow(name, &hash, &folder, &before)?;
+            if again == Some(true) && before.of(name).is_some_and(|there| *there != hash) {
+                written.replaced = Some(self.directory.clone());
+            }
             folder.stage(name, content)?;
             manifest.enter(name, hash);
             written.files.push(self.directory.join(name));
@@ -186,6 +207,10 @@ impl Written {
     pub(super) fn told(&self, talk: &Talk) {
         for file in &self.files {
             talk.say(&format!("wrote {}", file.display()));
+        }
+        if let Some(folder) = &self.replaced {
+            let folder = folder.display();
+            talk.say(&format!("replaced the results of the same logs that were in {folder}"));
         }
         for file in &self.removed {
             talk.say(&format!("removed {}: it was of an earlier analysis", file.display()));

@@ -103,10 +103,15 @@ pub struct Before {
 pub struct TestFacts {
     /// Its name.
     pub name: String,
-    /// The test file as the user named it.
+    /// The test file, as the command or the folder of the results names it.
     pub file: String,
     /// SHA-256 of the text of the test file, in hexadecimal.
     pub sha256: String,
+    /// SHA-256 of all readings, in hexadecimal: of the same logs the same.
+    pub readings_sha256: String,
+    /// The day of the test, year-month-day: of the record or, where it has none, of the first log that says it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub date: Option<String>,
     /// Who measured what, when and with what; `None` where the test file says nothing of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub record: Option<Record>,

@@ -54,7 +54,7 @@ impl Analysis {
         let mut analysis = Self {
             format: FORMAT,
             program_version: env!("CARGO_PKG_VERSION"),
-            test: test_facts(test),
+            test: test_facts(test, campaign),
             machine: machine_facts(machine),
             ball_bar: ball_bar_facts(test.ball_bar()),
             strategy: test.plan().ok().map(|plan| plan.strategy_name().to_owned()),
@@ -79,7 +79,8 @@ impl Analysis {
     }
 }
 
-fn test_facts(test: &Test) -> TestFacts {
+fn test_facts(test: &Test, campaign: &Campaign) -> TestFacts {
+    let stated = test.record().date.clone();
     let mountings = test.mountings().iter().map(|named| MountingFacts {
         name: named.name.clone(),
         coincidence_mm: named.mounting.coincidence_mm.into(),
@@ -90,6 +91,8 @@ fn test_facts(test: &Test) -> TestFacts {
         name: test.name().to_owned(),
         file: test.file().display().to_string(),
         sha256: test.hash().to_owned(),
+        readings_sha256: campaign.readings_sha256(),
+        date: stated.or_else(|| campaign.began().map(|day| day.to_string())),
         record: Some(test.record().clone()).filter(|record| *record != plan::Record::default()),
         mountings: mountings.collect(),
     }

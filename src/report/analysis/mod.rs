@@ -17,6 +17,7 @@ mod live;
 pub(super) mod machine_errors;
 pub(super) mod means;
 mod mountings;
+mod paths;
 pub(super) mod place;
 mod record;
 pub(super) mod run_facts;

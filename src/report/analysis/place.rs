@@ -23,6 +23,9 @@ pub struct PlaceResult {
     /// Standard deviation of the mean by the noise and by what the test cannot tell from other plausible faults; `None`
     /// where nothing was taken for plausible.
     pub all: Option<f64>,
+    /// Standard deviation of what was plausible for it before anything was measured; `None` as above, and at 20 degrees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plausible: Option<f64>,
     /// Standard deviation between the repeats; `None` for one.
     pub deviation: Option<f64>,
     /// Where `all` is more than three times `noise`: the plausible faults that look the same in this test, the gravest
@@ -107,6 +110,7 @@ fn at_20_c(record: &Record, of: &PlaceResult) -> Option<PlaceResult> {
         quantity: format!("scale {axis} at 20 C"),
         value: of.value + bar - machine,
         all: of.all.or(of.noise).map(|all| all.hypot(sigma)),
+        plausible: None,
         looks_like: Vec::new(),
         ..of.clone()
     })
@@ -135,6 +139,7 @@ fn over_repeats(each: &[Vec<Answer>], k: usize) -> PlaceResult {
         value: mean * factor + 0.0,
         noise: finite(noise * factor),
         all: all.and_then(|all| finite(all * factor)),
+        plausible: answers().next().and_then(|a| finite(a.plausible? * factor)),
         deviation: (each.len() > 1)
             .then(|| (squares / (count - 1.0)).sqrt() * factor)
             .and_then(finite),

@@ -197,6 +197,7 @@ mod tests {
             value,
             noise: Some(0.1),
             all,
+            plausible: None,
             deviation: None,
             looks_like: Vec::new(),
         };
