@@ -27,6 +27,7 @@
 //! | [`diagnose`] | what the model gets wrong, the cause, the gain |
 //! | [`features`] | what is wrong in the plane of a circular test, and by how much its deviation falls without it |
 //! | [`paper`] | the paper's tables computed again |
+//! | [`monitor`] | analyses read back: two compared, a machine over time |
 //! | [`design`] | what a test will see before it is run, and which test sees most |
 //! | [`start`] | a machine file and a test file to begin with |
 //! | [`trial`] | effects hidden at random, diagnosed and judged |
@@ -71,6 +72,7 @@ mod input;
 pub mod log;
 pub mod machine;
 pub mod model;
+pub mod monitor;
 pub mod motion;
 pub mod nc;
 pub mod paper;

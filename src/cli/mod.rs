@@ -10,10 +10,12 @@ mod ask;
 mod blind;
 mod check;
 mod common;
+mod compare;
 mod demo;
 mod design;
 mod diagnose;
 mod estimate;
+mod history;
 mod identify;
 mod init;
 mod machines;
@@ -59,6 +61,9 @@ const AFTER_HELP: &str = "Examples:
   ballbar check out/O1001.nc --test test.toml  what is wrong with a program that was edited
   ballbar analyse test.toml -o out             align the logs, identify, write the report
   ballbar diagnose test.toml                   what the model gets wrong, and why
+  ballbar compare out/2026-03-02-XY out/2026-04-07-XY
+                                               what changed since
+  ballbar history out                          a machine over time
   ballbar identify test.toml --json | jq .     coefficients for another program
   ballbar reference coincidence_mm             what a key of a file means
 
@@ -84,6 +89,8 @@ enum Command {
     #[command(visible_alias = "analyze")]
     Analyse(analyse::Arguments),
     Diagnose(diagnose::Arguments),
+    Compare(compare::Arguments),
+    History(history::Arguments),
     Design(design::Arguments),
     Blind(blind::Arguments),
     Demo(demo::Arguments),
@@ -111,6 +118,9 @@ impl Command {
             Self::Check(_)
             | Self::Time(_)
             | Self::Blind(_)
+            // Where they write, a file may be named.
+            | Self::Compare(_)
+            | Self::History(_)
             // What is begun goes to a folder that it checks itself.
             | Self::Init(_)
             | Self::Machines(_)
@@ -154,6 +164,8 @@ impl Cli {
             Command::Identify(arguments) => arguments.run(common, talk),
             Command::Analyse(arguments) => arguments.run(common, talk),
             Command::Diagnose(arguments) => arguments.run(common, talk),
+            Command::Compare(arguments) => arguments.run(common, talk),
+            Command::History(arguments) => arguments.run(common, talk),
             Command::Design(arguments) => arguments.run(common, talk),
             Command::Blind(arguments) => arguments.run(common, talk),
             Command::Demo(arguments) => arguments.run(common, talk),

@@ -96,9 +96,14 @@ pub(super) fn print_summary(text: &str) -> Result<()> {
 }
 
 /// Results of a command for other programs, which tell by the format what they have.
-pub(super) fn print_json(command: &str, mut results: Value) -> Result<()> {
+pub(super) fn print_json(command: &str, results: Value) -> Result<()> {
+    print(&json_text(command, results))
+}
+
+/// The same as text.
+pub(super) fn json_text(command: &str, mut results: Value) -> String {
     results["format"] = format!("ballbar.{command}/1").into();
-    print(&format!("{results:#}\n"))
+    format!("{results:#}\n")
 }
 
 /// Data on stdout. A reader that went away, such as `head`, is no error.

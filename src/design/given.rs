@@ -12,6 +12,7 @@ use crate::identify;
 use crate::input;
 use crate::machine::{Axis, Machine, Pivot};
 use crate::model::Situation;
+use crate::monitor::FORMATS;
 use crate::nc;
 use crate::plan::Test;
 use crate::solve::{Matrix, NoiseModel, Tsqr};
@@ -67,7 +68,7 @@ impl Measured {
                 .at(Place::file(file))
                 .hint("give the analysis.json that `ballbar analyse` wrote")
         })?;
-        if !["ballbar.analysis/1", "ballbar.analysis/2"].contains(&analysis.format.as_str()) {
+        if !FORMATS.contains(&analysis.format.as_str()) {
             return Err(Error::input(format!("the format `{}` is unknown", analysis.format))
                 .at(Place::file(file))
                 .hint("analyse the test again with this version"));

@@ -7,6 +7,8 @@
 //! | `ranked` | features of the plane of each circular test, ranked: part of the analysis |
 //! | `diagnosis` | what the model gets wrong: part of the analysis, and by itself |
 //! | `plan` | `plan.json`, `plan.html`: what a test will be |
+//! | `comparison` | what changed from one analysis to another |
+//! | `history` | a machine over time |
 //! | `design` | a test that was designed |
 //! | `paper` | the paper's tables, computed again |
 //! | `program` | the path of a program and its speed |
@@ -19,11 +21,13 @@
 
 mod analysis;
 mod circular;
+mod comparison;
 mod design;
 mod diagnosis;
 mod draw;
 #[cfg(test)]
 mod fixture;
+mod history;
 mod paper;
 mod plan;
 mod program;
@@ -48,6 +52,9 @@ pub use circular::facts::{
     CircularFacts, CircularResult, CircularValue, ConformityItem, ConformityResult, Verdict,
     WayResult,
 };
+pub use comparison::facts::comparison_json;
+pub use comparison::html::comparison_page;
+pub use comparison::terminal::comparison_text;
 pub use design::facts::{proposal_json, unseen_of};
 pub use design::terminal::proposal_text;
 pub use diagnosis::facts::{DiagnosisFacts, FindingFacts};
@@ -55,6 +62,9 @@ pub use diagnosis::owner::OwnerFacts;
 pub use diagnosis::settings::WrongSettingFacts;
 pub use diagnosis::terminal::diagnosis_text;
 pub use diagnosis::verdict::VerdictFacts;
+pub use history::facts::history_json;
+pub use history::html::history_page;
+pub use history::terminal::history_text;
 pub use paper::facts::paper_json;
 pub use paper::page::paper_page;
 pub use paper::terminal::{nearest_text, paper_text};

@@ -7,6 +7,7 @@ mod folder;
 mod interrupt;
 mod manifest;
 mod own;
+mod page;
 mod path_from;
 
 use std::path::{Path, PathBuf};
@@ -20,6 +21,7 @@ use manifest::{Hash, Manifest};
 
 pub(super) use interrupt::heed as heed_interrupts;
 pub(super) use own::Own;
+pub(super) use page::Page;
 pub(super) use path_from::path_from;
 
 /// The files of a command: nothing is written before all are ready.

@@ -1,0 +1,7 @@
+//! What changed from one analysis to another: terminal, JSON and page.
+
+pub(super) mod facts;
+mod figures;
+pub(super) mod html;
+pub(super) mod terminal;
+mod words;
