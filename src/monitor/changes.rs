@@ -189,6 +189,8 @@ struct Difference {
     plausible: Option<f64>,
     /// The share of what is plausible that the test that tells less tells.
     told: Option<f64>,
+    /// Whether noise is what tells both apart: what is left of a curve about its line moves with the set-up.
+    alike: bool,
 }
 
 impl Difference {
@@ -205,6 +207,7 @@ impl Difference {
             all2: if circular { noise2 } else { all2 },
             plausible: old.plausible.zip(new.plausible).map(|(a, b)| a.min(b)),
             told: old.told().zip(new.told()).map(|(a, b)| a.min(b)),
+            alike: new.kind != Kind::Range,
         }
     }
 
@@ -213,7 +216,7 @@ impl Difference {
     }
 
     fn is_told(&self) -> bool {
-        self.told.is_some_and(|told| told > TOLD)
+        self.alike && self.told.is_some_and(|told| told > TOLD)
     }
 
     fn share(&self) -> Option<f64> {
@@ -232,7 +235,7 @@ impl Difference {
         let (sigma, judged) = if circular {
             (self.noise2, if out { Judged::Changed } else { Judged::Same })
         } else if let (true, Some(noise2), Some(open2), Some(_)) =
-            (circumstances.equal, self.noise2, self.open2, self.told)
+            (circumstances.equal && self.alike, self.noise2, self.open2, self.told)
         {
             let sigma2 = noise2 + share * share * open2;
             let apart = self.value.abs() > APART * sigma2.sqrt();

@@ -146,8 +146,10 @@ fn series(tests: &[Test], kinds: &[usize]) -> Vec<Series> {
                 day: *day,
                 kind: kinds[index],
                 value: quantity.value,
-                noise: quantity.noise,
+                // Ranges move with the set-up by more than the noise.
+                noise: if quantity.kind == Kind::Range { quantity.all } else { quantity.noise },
                 all: quantity.all.or(quantity.noise),
+                plausible: quantity.plausible,
             };
             let name = name_in(quantity, elsewhere);
             match all.iter_mut().find(|series| series.name == name && series.unit == quantity.unit)
@@ -166,6 +168,7 @@ fn series(tests: &[Test], kinds: &[usize]) -> Vec<Series> {
     for series in &mut all {
         series.trend = Trend::through(&series.points, beyond);
     }
+    Series::judge_all(&mut all);
     all
 }
 

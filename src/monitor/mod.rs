@@ -13,7 +13,10 @@
 //! plausible, others may have by as much. What stands out of the noise, but not of this, has *changed with it*: the test
 //! cannot tell which.
 //!
-//! Noise of a mean over repeats is at least their scatter. A change is one when so large a difference came about by chance in one of a
+//! Noise of a mean over repeats is at least their scatter. In one plane a ball that stands `z` beside it makes a circle smaller by `z² / 2 R`,
+//! and no reading tells: scales and mean radii count with that of 0.1 mm, another one every time the bar is set up. Ranges
+//! (straightness, positioning, angles) move with the set-up by more than the noise, and count as of independent tests.
+//! A change is one when so large a difference came about by chance in one of a
 //! hundred comparisons with nothing changed, whichever of all the compared quantities it were in.
 
 mod chance;

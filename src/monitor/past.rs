@@ -7,6 +7,7 @@ use jiff::civil::Date;
 
 use super::quantity::{Kind, Quantity, mean};
 use super::raw::{RawAnalysis, RawCircle, RawHead, RawPlace, RawTest, RawValue};
+use super::thresholds::SET_UP_MM;
 use crate::error::{Error, Place, Result};
 use crate::input;
 
@@ -197,11 +198,14 @@ fn checked(raw: RawAnalysis, program_version: String, file: &Path) -> Checked<Pa
     let pivots = &raw.machine.pivots;
     let kinematics =
         format!("{}, pivots {} {} {}", raw.machine.topology, pivots.x, pivots.y, pivots.z);
+    let lengths = raw.test.mountings.iter().map(|of| of.bar_length_mm).filter(|mm| *mm >= 1.0);
+    // Standard deviation of what a ball beside the plane takes off a radius, mm; none where no bar is stated.
+    let set_up = lengths.reduce(f64::min).map(|mm| SetUp { radius_mm: mm });
     let mut quantities = Vec::new();
     for place in few(raw.at_the_place, "answers")? {
-        quantities.push(asked(place, repeats)?);
+        quantities.push(asked(place, repeats, set_up)?);
     }
-    quantities.extend(circular(few(raw.circular.tests, "circular tests")?)?);
+    quantities.extend(circular(few(raw.circular.tests, "circular tests")?, set_up)?);
     let (findings, smallest_um) = match raw.diagnosis {
         Some(diagnosis) => {
             let found = few(diagnosis.findings, "findings")?.into_iter().map(|of| {
@@ -292,7 +296,20 @@ fn arcs_of(raw: &RawAnalysis) -> Checked<BTreeSet<String>> {
     Ok(arcs)
 }
 
-fn asked(raw: RawPlace, repeats: usize) -> Checked<Quantity> {
+/// A bar that is set up anew for every test.
+#[derive(Clone, Copy)]
+struct SetUp {
+    radius_mm: f64,
+}
+
+impl SetUp {
+    /// Standard deviation of `z² / 2 R` over set-ups, mm.
+    fn shorter_mm(self) -> f64 {
+        SET_UP_MM * SET_UP_MM / (std::f64::consts::SQRT_2 * self.radius_mm)
+    }
+}
+
+fn asked(raw: RawPlace, repeats: usize, set_up: Option<SetUp>) -> Checked<Quantity> {
     let what = name(raw.quantity, "the name of a quantity")?;
     let sigma = |of: Option<f64>| of.map(|of| deviation(of, &what)).transpose();
     let of_machine =
@@ -301,12 +318,14 @@ fn asked(raw: RawPlace, repeats: usize) -> Checked<Quantity> {
     // The scatter of repeats counts where it is larger than what the noise makes.
     let scatter = sigma(raw.deviation)?.map(|deviation| deviation / (repeats.max(1) as f64).sqrt());
     let (noise, all) = (sigma(raw.noise)?, sigma(raw.all)?);
+    let set_up = set_up.filter(|_| what.starts_with("scale"));
+    let set_up = set_up.map_or(0.0, |of| 1e6 * of.shorter_mm() / of.radius_mm);
     Ok(Quantity {
         kind: if of_machine { Kind::Machine } else { Kind::Range },
         unit: name(raw.unit, "a unit")?,
         value: number(raw.value, &what)?,
-        noise: noise.map(|noise| noise.max(scatter.unwrap_or(0.0))),
-        all: all.map(|all| all.max(scatter.unwrap_or(0.0))),
+        noise: noise.map(|noise| noise.max(scatter.unwrap_or(0.0)).hypot(set_up)),
+        all: all.map(|all| all.max(scatter.unwrap_or(0.0)).hypot(set_up)),
         plausible: sigma(raw.plausible)?,
         widened: 0.0,
         looks_like: few(raw.looks_like, "faults")?,
@@ -315,7 +334,7 @@ fn asked(raw: RawPlace, repeats: usize) -> Checked<Quantity> {
 }
 
 /// The values of circular tests, each over the repeats, in the order of the tests.
-fn circular(tests: Vec<RawCircle>) -> Checked<Vec<Quantity>> {
+fn circular(tests: Vec<RawCircle>, set_up: Option<SetUp>) -> Checked<Vec<Quantity>> {
     let mut order: Vec<(String, [f64; 3], bool)> = Vec::new();
     let mut values: BTreeMap<String, Vec<RawValue>> = BTreeMap::new();
     let mut enter = |name: String, centre_mm, with_bar, value: RawValue| {
@@ -370,6 +389,8 @@ fn circular(tests: Vec<RawCircle>) -> Checked<Vec<Quantity>> {
         let count = of.len().max(1) as f64;
         let pairs: Vec<(f64, f64)> = of.iter().map(|v| (v.value_um, v.noise_um)).collect();
         let (value, noise) = mean(&pairs);
+        let set_up = set_up.filter(|_| with_bar).map_or(0.0, |of| 1e3 * of.shorter_mm());
+        let noise = noise.hypot(set_up);
         // What is not known of the bar is the same in every repeat.
         let stated: Option<Vec<f64>> = of.iter().map(|v| v.sigma_um).collect();
         let all = stated.map(|all| (all.iter().map(|s| s * s).sum::<f64>() / count).sqrt());

@@ -3,7 +3,8 @@
 use jiff::civil::Date;
 
 use super::chance::of_student;
-use super::thresholds::LEAST_POINTS;
+use super::changes::Judged;
+use super::thresholds::{APART, LEAST_POINTS, TOLD};
 
 /// A quantity over time.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,6 +34,8 @@ pub struct Point {
     pub noise: Option<f64>,
     /// Standard deviation by all that is not known.
     pub all: Option<f64>,
+    /// Standard deviation of what was plausible beforehand.
+    pub plausible: Option<f64>,
 }
 
 /// A line through a series.
@@ -40,14 +43,16 @@ pub struct Point {
 pub struct Trend {
     /// Slope, unit a year.
     pub per_year: f64,
-    /// Its standard deviation, by the noise and at least by the scatter about the line.
+    /// Its standard deviation by the noise, and at least by the scatter about the line.
+    pub noise: f64,
+    /// Its standard deviation: noise, and what may have drifted with it that the tests cannot tell from it.
     pub sigma: f64,
     /// The scatter about the line in units of the noise; 1 where noise is all.
     pub scatter: f64,
     /// The line on the first day and on the last, of the kind of test that has most points.
     pub line: [f64; 2],
-    /// Whether it is one that chance does not make.
-    pub is_one: bool,
+    /// Whether it is one.
+    pub judged: Judged,
 }
 
 /// Days of a year.
@@ -109,11 +114,59 @@ impl Trend {
         let last = points.last().map_or(0.0, day);
         Some(Self {
             per_year: slope * YEAR,
+            noise: sigma * YEAR,
             sigma: sigma * YEAR,
             scatter,
             line: [y - slope * t, y + slope * (last - t)],
-            is_one: slope.abs() > of_student(beyond, freedom) * sigma,
+            judged: if slope.abs() > of_student(beyond, freedom) * sigma {
+                Judged::Changed
+            } else {
+                Judged::Same
+            },
         })
+    }
+}
+
+impl Series {
+    /// The least that a test tells of it, of what is plausible; `None` where one does not say.
+    fn told(&self) -> Option<f64> {
+        let told = |point: &Point| {
+            Some(1.0 - (point.all? / point.plausible.filter(|p| *p > 0.0)?).powi(2))
+        };
+        self.points.iter().map(told).try_fold(1.0_f64, |least, told| Some(least.min(told?)))
+    }
+
+    fn plausible(&self) -> Option<f64> {
+        self.points.last()?.plausible.filter(|plausible| *plausible > 0.0)
+    }
+
+    /// What the last test leaves open besides noise.
+    fn open(&self) -> Option<f64> {
+        let last = self.points.last()?;
+        Some((last.all?.powi(2) - last.noise?.powi(2)).max(0.0).sqrt())
+    }
+
+    fn drifting(&self) -> Option<Trend> {
+        self.trend.filter(|trend| trend.judged == Judged::Changed)
+    }
+
+    /// Judges trends beside each other: where one drifts, what looks like it may drift by the same share of what is
+    /// plausible.
+    pub(super) fn judge_all(all: &mut [Self]) {
+        let told = |of: &&Self| of.told().is_some_and(|told| told > TOLD);
+        let shares = all.iter().filter(told);
+        let shares = shares.filter_map(|of| Some(of.drifting()?.per_year.abs() / of.plausible()?));
+        let share = shares.fold(0.0, f64::max);
+        for of in all {
+            // Values of circular tests, and named terms, are not taken for anything plausible.
+            let (Some(told), Some(open)) = (of.told(), of.open()) else { continue };
+            let Some(trend) = &mut of.trend else { continue };
+            trend.sigma = trend.noise.hypot(share * open);
+            let apart = trend.per_year.abs() > APART * trend.sigma && told > TOLD;
+            if trend.judged == Judged::Changed && !apart {
+                trend.judged = Judged::WithIt;
+            }
+        }
     }
 }
 
@@ -129,7 +182,15 @@ mod tests {
     use super::*;
 
     fn at(month: i8, kind: usize, value: f64, noise: f64) -> Point {
-        Point { test: 0, day: date(2026, month, 1), kind, value, noise: Some(noise), all: None }
+        Point {
+            test: 0,
+            day: date(2026, month, 1),
+            kind,
+            value,
+            noise: Some(noise),
+            all: None,
+            plausible: None,
+        }
     }
 
     #[test]
@@ -139,7 +200,10 @@ mod tests {
         };
         let points: Vec<Point> = (1..=12).map(|month| at(month, 0, value(month), 0.1)).collect();
         let trend = Trend::through(&points, 3.0).unwrap();
-        assert!((trend.per_year - 3.6525).abs() < 1e-9 && trend.is_one, "{trend:?}");
+        assert!(
+            (trend.per_year - 3.6525).abs() < 1e-9 && trend.judged == Judged::Changed,
+            "{trend:?}"
+        );
         assert!((trend.line[0] - 3.0).abs() < 1e-9, "{trend:?}");
         assert!((trend.line[1] - value(12)).abs() < 1e-9, "{trend:?}");
         // By the noise alone: 0.1 over the spread of the days.
@@ -157,7 +221,7 @@ mod tests {
             .map(|m| at(m, usize::from(m > 4), if m > 4 { 50.0 } else { 0.0 }, 0.1))
             .collect();
         let trend = Trend::through(&points, 3.0).unwrap();
-        assert!(trend.per_year.abs() < 1e-9 && !trend.is_one, "{trend:?}");
+        assert!(trend.per_year.abs() < 1e-9 && trend.judged == Judged::Same, "{trend:?}");
         let alone: Vec<Point> = (1..=4).map(|m| at(m, m as usize, f64::from(m), 0.1)).collect();
         assert_eq!(Trend::through(&alone, 3.0), None);
     }
@@ -168,7 +232,7 @@ mod tests {
         let values = [0.0, 5.0, -4.0, 6.0, -3.0, 4.0];
         let points: Vec<Point> = (1..=6).map(|m| at(m, 0, values[m as usize - 1], 0.01)).collect();
         let trend = Trend::through(&points, 3.0).unwrap();
-        assert!(trend.scatter > 100.0 && !trend.is_one, "{trend:?}");
+        assert!(trend.scatter > 100.0 && trend.judged == Judged::Same, "{trend:?}");
     }
 
     #[test]

@@ -16,6 +16,7 @@ mod hide;
 mod instrument;
 mod killed;
 mod logs;
+mod monitor;
 mod mountings;
 mod plan;
 mod planes;

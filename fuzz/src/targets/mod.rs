@@ -9,6 +9,7 @@ mod files;
 mod log;
 mod machine;
 mod model;
+mod past;
 mod plan;
 mod program;
 mod scenario;
@@ -32,7 +33,7 @@ pub struct Target {
 }
 
 /// All of them.
-pub const ALL: [Target; 15] = [
+pub const ALL: [Target; 16] = [
     machine::TARGET,
     test::TARGET,
     scenario::TARGET,
@@ -47,6 +48,7 @@ pub const ALL: [Target; 15] = [
     simulate::TARGET,
     align::TARGET,
     analysis::TARGET,
+    past::TARGET,
     files::TARGET,
 ];
 

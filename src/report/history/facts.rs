@@ -46,9 +46,10 @@ fn series(of: &Series) -> Value {
     let trend = of.trend.map(|trend| {
         json!({
             "per_year": trend.per_year,
+            "noise_per_year": trend.noise,
             "sigma_per_year": trend.sigma,
             "scatter": trend.scatter,
-            "is_trend": trend.is_one,
+            "verdict": words::judged(trend),
         })
     });
     json!({ "quantity": of.name, "unit": of.unit, "points": points, "trend": trend })

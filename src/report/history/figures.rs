@@ -2,7 +2,7 @@
 
 use jiff::civil::Date;
 
-use crate::monitor::Series;
+use crate::monitor::{Judged, Series};
 use crate::report::draw::chart::{Axis, Chart};
 use crate::report::draw::svg::text_width;
 use crate::report::draw::ticks::enclosing;
@@ -19,7 +19,7 @@ pub(super) fn over_time(series: &Series, first: Date, last: Date) -> String {
         let half = 2.0 * noise(point.noise);
         [point.value - half, point.value + half]
     });
-    let drift = series.trend.filter(|trend| trend.is_one);
+    let drift = series.trend.filter(|trend| trend.judged == Judged::Changed);
     let line = drift.into_iter().flat_map(|trend| trend.line);
     let y = Axis::new(&series.unit.replace('u', "µ"), enclosing(ends.chain(line), 5));
     // A little air on both sides: a year of days is a chart of so many categories.

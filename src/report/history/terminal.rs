@@ -52,6 +52,6 @@ pub(super) fn cells(series: &Series) -> Vec<String> {
         value(series.points.last()),
         series.points.len().to_string(),
         series.trend.map_or_else(|| "-".to_owned(), |trend| words::per_year(series, trend)),
-        series.trend.filter(|trend| trend.is_one).map_or("", |_| "drifts").to_owned(),
+        series.trend.map_or("", words::judged).to_owned(),
     ]
 }
