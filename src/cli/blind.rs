@@ -161,7 +161,7 @@ impl Arguments {
             }
             progress.inc(1);
         });
-        progress.finish_and_clear();
+        talk.ended(&progress);
         if listed {
             output::print("\n")?;
         }

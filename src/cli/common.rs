@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 /// Options that every subcommand takes.
+#[allow(clippy::struct_excessive_bools)] // switches of a command line
 #[derive(Args)]
 pub(super) struct Common {
     /// Directory for results; made if it is not there [default: out; of an analysis a folder in it]
@@ -19,6 +20,12 @@ pub(super) struct Common {
     /// Print nothing but results and errors
     #[arg(short, long, global = true)]
     pub(super) quiet: bool,
+    /// Say what is read and how long each stage takes, on stderr
+    #[arg(short, long, global = true, conflicts_with = "quiet")]
+    pub(super) verbose: bool,
+    /// Open the page that was written in the browser
+    #[arg(long, global = true)]
+    pub(super) open: bool,
     /// Whether a terminal gets colours
     #[arg(long, global = true, value_name = "WHEN", default_value = "auto")]
     pub(super) color: Color,

@@ -33,6 +33,7 @@ pub(super) struct Arguments {
 impl Arguments {
     pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
         let files = [resolved(&self.before)?, resolved(&self.after)?];
+        talk.reads(&files);
         let (before, after) = (Past::read(&files[0])?, Past::read(&files[1])?);
         let both = [&before, &after];
         let comparison = Comparison::of(&before, &after);
@@ -42,12 +43,14 @@ impl Arguments {
             path_from(from, &past.file).unwrap_or_else(|_| past.file.display().to_string())
         };
         let json = report::comparison_json(&comparison, both, &name);
-        let written = match &page {
-            Some(page) => {
-                let text = report::comparison_page(&comparison, both, &name)?;
-                Some(page.write(common, &files, vec![(page.name().to_owned(), text)])?)
+        let written = if let Some(page) = &page {
+            let text = report::comparison_page(&comparison, both, &name)?;
+            Some(page.write(common, &files, vec![(page.name().to_owned(), text)])?)
+        } else {
+            if common.open {
+                talk.say("nothing to open: name a page with `-o change.html`");
             }
-            None => None,
+            None
         };
         if common.json {
             output::print_json("compare", json)?;

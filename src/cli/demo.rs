@@ -53,7 +53,8 @@ impl Arguments {
         let mut files = Files::in_own(common, &own, selection.read(&identified));
         files.add(&written.file_name, written.text.clone());
         let json = add_results(&mut files, &identified, &analysis)?;
-        let files = files.write()?.files;
+        let written = files.write()?;
+        let files = &written.files;
         if common.json {
             output::print(&json)?;
         } else {
@@ -66,6 +67,7 @@ impl Arguments {
         for file in reports.into_iter().chain(others) {
             talk.say(&format!("  {}", file.display()));
         }
+        written.shown(talk);
         Ok(())
     }
 }

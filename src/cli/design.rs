@@ -35,6 +35,7 @@ impl Arguments {
         let test = Test::read(&self.test)?;
         let machine = test.machine()?;
         let measured = self.given.as_deref().map(Measured::read).transpose()?;
+        talk.reads(test.files().iter().chain(&self.given));
         let progress = talk.spinner("designing");
         let designer = Designer::new(&test, &machine, measured.as_ref())?;
         let mut proposal = designer.propose()?;
@@ -44,7 +45,7 @@ impl Arguments {
         proposal.text = beside(&proposal.text, common.directory(), &machine)?;
         let designed = Test::parse(&proposal.text, &common.directory().join("test.toml"))?;
         let outlook = Outlook::new(&designed, &machine)?;
-        progress.finish_and_clear();
+        talk.ended(&progress);
         // What was wanted and is not seen in the time there is.
         let unseen = report::unseen_of(&proposal, &outlook);
         if !unseen.is_empty() && measured.is_none() {

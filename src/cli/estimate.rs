@@ -82,9 +82,10 @@ impl Selection {
         }
         estimation.minimum_norm |= self.minimum_norm;
         let test = test.with_estimation(estimation);
+        talk.reads(&test.files());
         let progress = talk.progress(test.repeat_count(), "identifying");
         let campaign = Campaign::of(&test, &machine, failure, &|| progress.inc(1));
-        progress.finish_and_clear();
+        talk.ended(&progress);
         Ok(Identified { campaign: campaign?, test, machine, diagnosis: None })
     }
 }
@@ -101,7 +102,7 @@ impl Identified {
     pub(super) fn diagnosed(mut self, talk: &Talk) -> Result<Self> {
         let spinner = talk.spinner("looking for what the model gets wrong");
         let diagnosis = diagnose::diagnose(&self.test, &self.machine, &self.campaign);
-        spinner.finish_and_clear();
+        talk.ended(&spinner);
         self.diagnosis = Some(diagnosis?);
         Ok(self)
     }

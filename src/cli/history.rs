@@ -20,7 +20,7 @@ use crate::report;
 #[command(after_help = "Examples:
   ballbar history
   ballbar history measurements -o reports
-  ballbar history out --machine \"VMC 3\" --json | jq '.series[] | select(.trend.is_trend)'")]
+  ballbar history out --machine \"VMC 3\" --json | jq '.series[] | select(.trend.verdict == \"drifts\")'")]
 pub(super) struct Arguments {
     /// The folder below which the analyses lie
     #[arg(value_name = "FOLDER", default_value = "out")]
@@ -33,6 +33,7 @@ pub(super) struct Arguments {
 impl Arguments {
     pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
         let files = find(&self.folder)?;
+        talk.reads(&files);
         let progress = talk.progress(files.len(), "reading");
         let read = files.iter().map(|file| {
             let past = Past::read(file);
@@ -40,7 +41,7 @@ impl Arguments {
             (file.clone(), past)
         });
         let (history, left_out) = History::of(read.collect(), self.machine.as_deref());
-        progress.finish_and_clear();
+        talk.ended(&progress);
         let told = |of: &crate::monitor::LeftOut| format!("{}: {}", of.file.display(), of.reason);
         for of in &left_out {
             talk.say(&format!("left out: {}", told(of)));

@@ -23,7 +23,7 @@ pub(super) struct Arguments {
 }
 
 impl Arguments {
-    pub(super) fn run(&self, common: &Common) -> Result<()> {
+    pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
         if self.files.is_empty() {
             return built_in(common);
         }
@@ -35,7 +35,7 @@ impl Arguments {
                 // Every file is checked; all but the last error are told on the way.
                 Err(error) => {
                     if let Some(before) = first_wrong.replace(error) {
-                        Talk::error(&before);
+                        talk.error(&before);
                     }
                 }
             }

@@ -8,6 +8,7 @@ mod align;
 mod analyse;
 mod ask;
 mod blind;
+mod browser;
 mod check;
 mod common;
 mod compare;
@@ -28,8 +29,10 @@ mod reference;
 mod results;
 mod show;
 mod simulate;
+mod stage;
 mod time;
 
+use std::io::Write as _;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
@@ -135,16 +138,33 @@ impl Command {
 
 /// Runs the program: parses the command line, does it, prints errors, gives the exit code.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return refused(&error),
+    };
     let talk = Talk::new(&cli.common);
     results::heed_interrupts();
     match cli.run(&talk) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => {
+            talk.took();
+            ExitCode::SUCCESS
+        }
         Err(error) => {
-            Talk::error(&error);
+            talk.error(&error);
             ExitCode::from(error.kind.exit_code())
         }
     }
+}
+
+/// Help, the version, or a command line that cannot be understood: of the last JSON for who asks for it.
+fn refused(error: &clap::Error) -> ExitCode {
+    let wants_json = std::env::args_os().any(|argument| argument == "--json");
+    if error.use_stderr() && wants_json {
+        let _ = writeln!(std::io::stderr(), "{}", output::usage_json(&error.to_string()));
+    } else {
+        let _ = error.print();
+    }
+    ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
 }
 
 impl Cli {
@@ -169,7 +189,7 @@ impl Cli {
             Command::Design(arguments) => arguments.run(common, talk),
             Command::Blind(arguments) => arguments.run(common, talk),
             Command::Demo(arguments) => arguments.run(common, talk),
-            Command::Machines(arguments) => arguments.run(common),
+            Command::Machines(arguments) => arguments.run(common, talk),
             Command::Show(arguments) => arguments.run(common),
             Command::Reference(arguments) => arguments.run(common),
             Command::Paper(arguments) => arguments.run(common, talk),

@@ -2,15 +2,16 @@
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
-use std::io::{IsTerminal, Write};
-use std::time::Duration;
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::Instant;
 
 use anstream::{AutoStream, ColorChoice};
 use anstyle::{AnsiColor, Style};
-use indicatif::{ProgressBar, ProgressStyle};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::common::{Color, Common};
+use super::stage::Stage;
 use crate::error::{Error, Kind, Result};
 
 /// Headings of a summary, and of those the cautions.
@@ -23,6 +24,9 @@ const HINT: Style = AnsiColor::Cyan.on_default().bold();
 /// What goes to stderr.
 pub(super) struct Talk {
     quiet: bool,
+    verbose: bool,
+    json: bool,
+    began: Instant,
 }
 
 impl Talk {
@@ -33,7 +37,12 @@ impl Talk {
             Color::Never => ColorChoice::Never,
         }
         .write_global();
-        Self { quiet: common.quiet }
+        Self {
+            quiet: common.quiet,
+            verbose: common.verbose,
+            json: common.json,
+            began: Instant::now(),
+        }
     }
 
     /// A line for the user, unless he wants quiet.
@@ -44,36 +53,85 @@ impl Talk {
         }
     }
 
-    /// The error with its hint; a stream that shows no colours gets none.
-    pub(super) fn error(error: &Error) {
+    /// The same for who wants to know what is done.
+    fn detail(&self, text: &str) {
+        if self.verbose {
+            self.say(text);
+        }
+    }
+
+    /// Files that a command reads.
+    pub(super) fn reads<'a>(&self, files: impl IntoIterator<Item = &'a PathBuf>) {
+        for file in files {
+            self.detail(&format!("reads {}", file.display()));
+        }
+    }
+
+    /// How long all of it took.
+    pub(super) fn took(&self) {
+        self.detail(&format!("all: {:.2} s", self.began.elapsed().as_secs_f64()));
+    }
+
+    /// The error with its hint; a stream that shows no colours gets none. Who reads JSON gets one line of it.
+    pub(super) fn error(&self, error: &Error) {
+        if self.json {
+            let _ = writeln!(std::io::stderr(), "{}", harmless(&error_json(error).to_string()));
+            return;
+        }
         let text = format!("{ERROR}error{ERROR:#}: {}", harmless(&error.to_string()));
         let text = text.replace("\nhint:", &format!("\n{HINT}hint{HINT:#}:"));
         let _ = writeln!(anstream::stderr(), "{text}");
     }
 
-    /// A bar on a terminal while something takes longer than a moment.
-    pub(super) fn progress(&self, total: usize, what: &'static str) -> ProgressBar {
-        if self.quiet || !std::io::stderr().is_terminal() {
-            return ProgressBar::hidden();
+    /// A stage of so many steps: a bar on a terminal.
+    pub(super) fn progress(&self, total: usize, what: &'static str) -> Stage {
+        Stage::new(what, Some(total), !self.quiet, self.verbose)
+    }
+
+    /// A stage of unknown length.
+    pub(super) fn spinner(&self, what: &'static str) -> Stage {
+        Stage::new(what, None, !self.quiet, self.verbose)
+    }
+
+    /// Ends a stage, and tells its time to who wants to know.
+    pub(super) fn ended(&self, stage: &Stage) {
+        if let Some(took) = stage.end() {
+            self.say(&took);
         }
-        let style = ProgressStyle::with_template("{msg} [{bar:30}] {pos}/{len}")
-            .unwrap_or_else(|_| ProgressStyle::default_bar());
-        let bar = ProgressBar::new(total as u64).with_style(style).with_message(what);
-        bar.enable_steady_tick(Duration::from_millis(200));
-        bar
     }
 }
 
-impl Talk {
-    /// Something that turns on a terminal while a thing of unknown length takes its time.
-    pub(super) fn spinner(&self, what: &'static str) -> ProgressBar {
-        if self.quiet || !std::io::stderr().is_terminal() {
-            return ProgressBar::hidden();
-        }
-        let bar = ProgressBar::new_spinner().with_message(what);
-        bar.enable_steady_tick(Duration::from_millis(100));
-        bar
-    }
+/// An error for other programs, with the line where it is as far as it is known.
+pub(super) fn error_json(error: &Error) -> Value {
+    let place = error.place.as_deref();
+    let at = |number: usize| (number > 0).then_some(number);
+    let value = place.filter(|place| place.column > 0).map(|place| {
+        place.text.chars().skip(place.column - 1).take(place.width).collect::<String>()
+    });
+    json!({
+        "format": "ballbar.error/1",
+        "error": {
+            "message": error.what,
+            "file": place.map(|place| place.file.display().to_string()),
+            "line": place.and_then(|place| at(place.line)),
+            "column": place.and_then(|place| at(place.column)),
+            "value": value.filter(|value| !value.is_empty()),
+            "hint": error.hint,
+        },
+        "exit_code": error.kind.exit_code(),
+    })
+}
+
+/// A command line that cannot be understood, for other programs.
+pub(super) fn usage_json(message: &str) -> String {
+    let message = message.trim().trim_start_matches("error: ");
+    let (what, rest) = message.split_once("\n\n").unwrap_or((message, ""));
+    let all = json!({
+        "format": "ballbar.error/1",
+        "error": { "message": what, "file": null, "line": null, "column": null, "value": null, "hint": rest.trim() },
+        "exit_code": 2,
+    });
+    all.to_string()
 }
 
 /// A summary on stdout: on a terminal its headings, the lines that are not indented, stand out.

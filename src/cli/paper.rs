@@ -31,12 +31,12 @@ impl Arguments {
     pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
         let bar = talk.progress(Comparison::STEPS, "ranks");
         let comparison = Comparison::compute(Geometry::DESIGN, &|| bar.inc(1));
-        bar.finish_and_clear();
+        talk.ended(&bar);
         let comparison = comparison?;
         let nearest = if self.search || self.page {
             let bar = talk.progress(paper::search_steps(), "geometries");
             let nearest = paper::search(&|| bar.inc(1));
-            bar.finish_and_clear();
+            talk.ended(&bar);
             Some(nearest?)
         } else {
             None

@@ -54,17 +54,20 @@ impl Arguments {
         });
         // All files are read before the first is rehearsed: a slip in the last one is told at once.
         let tests = tests.collect::<Result<Vec<_>>>()?;
+        for (test, _) in &tests {
+            talk.reads(&test.files());
+        }
         let steps = tests.iter().map(|(test, _)| Outlook::steps(test)).sum();
         let bar = talk.progress(steps, "rehearsing");
         let mut planned = Vec::with_capacity(tests.len());
         for (test, machine) in tests {
             let outlook = Outlook::watched(&test, &machine, &|| bar.inc(1));
             if outlook.is_err() {
-                bar.finish_and_clear();
+                talk.ended(&bar);
             }
             planned.push(Planned { outlook: outlook?, test, machine });
         }
-        bar.finish_and_clear();
+        talk.ended(&bar);
         let plan = PlanReport::new(&planned, self.repeats);
         let json = plan.to_json()?;
         let mut read: Vec<PathBuf> =

@@ -76,11 +76,12 @@ impl Arguments {
     pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
         let test = Test::read(&self.test)?;
         let machine = test.machine()?;
+        talk.reads(&self.inputs(&test));
         let scenario = self.scenario_of(&test, &machine)?;
         let sources = Self::sources(&test, &machine)?;
         let progress = talk.progress(sources.len() * self.repeats as usize, "simulating");
         let simulated = self.simulate(&test, &machine, &scenario, &sources, &|| progress.inc(1));
-        progress.finish_and_clear();
+        talk.ended(&progress);
         let simulated = simulated?;
         let mut files = Files::of(common, self.inputs(&test));
         for (index, source) in sources.iter().enumerate() {

@@ -19,6 +19,7 @@
 //! A change is one when so large a difference came about by chance in one of a
 //! hundred comparisons with nothing changed, whichever of all the compared quantities it were in.
 
+mod bounds;
 mod chance;
 mod changes;
 mod circumstances;

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use jiff::civil::Date;
 
+use super::bounds::{Checked, MOST, deviation, few, name, number};
 use super::quantity::{Kind, Quantity, mean};
 use super::raw::{RawAnalysis, RawCircle, RawHead, RawPlace, RawTest, RawValue};
 use super::thresholds::SET_UP_MM;
@@ -16,12 +17,6 @@ pub const FORMATS: [&str; 2] = ["ballbar.analysis/1", "ballbar.analysis/2"];
 
 /// An analysis of a hundred runs has some 20 MB.
 const LARGEST_BYTES: usize = 64 << 20;
-/// Largest magnitude of a number, in whatever unit.
-const LARGEST: f64 = 1e9;
-/// Most entries of a list, and most letters of a name.
-const MOST: usize = 10_000;
-const LONGEST: usize = 1000;
-
 /// Who was tested, when and how, and what came out.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Past {
@@ -162,36 +157,6 @@ impl Past {
 }
 
 const GIVE: &str = "give the analysis.json that `ballbar analyse` wrote, or the folder it is in";
-
-type Checked<T> = std::result::Result<T, String>;
-
-fn number(value: f64, what: &str) -> Checked<f64> {
-    if value.abs() <= LARGEST {
-        return Ok(value);
-    }
-    Err(format!("{what} is {value}; numbers go from -{LARGEST:e} to {LARGEST:e}"))
-}
-
-fn deviation(value: f64, what: &str) -> Checked<f64> {
-    if (0.0..=LARGEST).contains(&value) {
-        return Ok(value);
-    }
-    Err(format!("the standard deviation of {what} is {value}; they go from 0 to {LARGEST:e}"))
-}
-
-fn name(text: String, what: &str) -> Checked<String> {
-    if text.len() <= LONGEST {
-        return Ok(text);
-    }
-    Err(format!("{what} has more than {LONGEST} bytes"))
-}
-
-fn few<T>(list: Vec<T>, what: &str) -> Checked<Vec<T>> {
-    if list.len() <= MOST {
-        return Ok(list);
-    }
-    Err(format!("there are more than {MOST} {what}"))
-}
 
 fn checked(raw: RawAnalysis, program_version: String, file: &Path) -> Checked<Past> {
     let (arcs, repeats) = (arcs_of(&raw)?, raw.repeats.len());

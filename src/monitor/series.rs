@@ -4,7 +4,7 @@ use jiff::civil::Date;
 
 use super::chance::of_student;
 use super::changes::Judged;
-use super::thresholds::{APART, LEAST_POINTS, TOLD};
+use super::thresholds::{APART, LEAST_POINTS, SEEN, TOLD};
 
 /// A quantity over time.
 #[derive(Debug, Clone, PartialEq)]
@@ -134,6 +134,11 @@ impl Series {
             Some(1.0 - (point.all? / point.plausible.filter(|p| *p > 0.0)?).powi(2))
         };
         self.points.iter().map(told).try_fold(1.0_f64, |least, told| Some(least.min(told?)))
+    }
+
+    /// Whether every test tells something of it.
+    pub fn is_seen(&self) -> bool {
+        self.told().is_none_or(|told| told > SEEN)
     }
 
     fn plausible(&self) -> Option<f64> {

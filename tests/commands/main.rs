@@ -25,4 +25,5 @@ mod reference;
 mod refused;
 mod safe;
 mod settings;
+mod talk;
 mod work;

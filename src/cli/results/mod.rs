@@ -12,6 +12,7 @@ mod path_from;
 
 use std::path::{Path, PathBuf};
 
+use super::browser;
 use super::common::Common;
 use super::output::{Talk, print, print_summary};
 use crate::error::{Error, Kind, Place, Result};
@@ -32,6 +33,8 @@ pub(super) struct Files {
     overwrite: bool,
     /// Whether what is there stays, whoever wrote it.
     keep: bool,
+    /// Whether the page is to be opened when it is written.
+    open: bool,
     /// What the command has read: none of it is replaced.
     read: Vec<PathBuf>,
     /// Which files of an earlier command these take the place of, whether or not they are among them.
@@ -46,6 +49,8 @@ pub(super) struct Written {
     pub(super) files: Vec<PathBuf>,
     /// Those of an earlier command that are gone.
     pub(super) removed: Vec<PathBuf>,
+    /// Whether a page of them is to be opened.
+    open: bool,
     /// The folder, where it held results of the same readings that are not the same.
     pub(super) replaced: Option<PathBuf>,
 }
@@ -58,6 +63,7 @@ impl Files {
             measured: None,
             overwrite: common.overwrite,
             keep: false,
+            open: common.open,
             read,
             replaced: |_| false,
             ready: Vec::new(),
@@ -80,6 +86,7 @@ impl Files {
             measured: None,
             overwrite: false,
             keep: true,
+            open: false,
             read: Vec::new(),
             replaced: |_| false,
             ready: Vec::new(),
@@ -116,7 +123,8 @@ impl Files {
 
     /// Writes all, or nothing.
     pub(super) fn write(self) -> Result<Written> {
-        let mut written = Written { files: Vec::new(), removed: Vec::new(), replaced: None };
+        let (removed, replaced) = (Vec::new(), None);
+        let mut written = Written { files: Vec::new(), removed, open: self.open, replaced };
         if self.ready.is_empty() {
             return Ok(written);
         }
@@ -205,8 +213,16 @@ impl Files {
 }
 
 impl Written {
-    /// Says what was written, and what is gone.
+    /// Opens the page, where that is wanted.
+    pub(super) fn shown(&self, talk: &Talk) {
+        if self.open {
+            browser::open(&self.files, talk);
+        }
+    }
+
+    /// Says what was written, and what is gone; opens the page, where that is wanted.
     pub(super) fn told(&self, talk: &Talk) {
+        self.shown(talk);
         for file in &self.files {
             talk.say(&format!("wrote {}", file.display()));
         }

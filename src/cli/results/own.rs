@@ -14,7 +14,7 @@ const LONGEST: usize = 60;
 const MOST: u32 = 1000;
 
 /// A folder, and what was measured that its results are of.
-pub(in crate::cli) struct Own {
+pub(crate) struct Own {
     pub(super) directory: PathBuf,
     /// SHA-256 of the readings; `None` in a directory that the user has chosen.
     pub(super) measured: Option<String>,
@@ -26,7 +26,7 @@ impl Own {
     ///
     /// # Errors
     /// When there are too many of that name.
-    pub(in crate::cli) fn choose(
+    pub(crate) fn choose(
         common: &Common,
         name: &str,
         date: Option<&str>,
@@ -51,14 +51,14 @@ impl Own {
     }
 
     /// The directory that the user names, or one under `out/`.
-    pub(in crate::cli) fn named(common: &Common, name: &str) -> Self {
+    pub(crate) fn named(common: &Common, name: &str) -> Self {
         let chosen = common.output.clone();
         let directory = chosen.unwrap_or_else(|| common.directory().join(name));
         Self { directory, measured: None }
     }
 
     /// Where the results go.
-    pub(in crate::cli) fn directory(&self) -> &Path {
+    pub(crate) fn directory(&self) -> &Path {
         &self.directory
     }
 }

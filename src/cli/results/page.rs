@@ -2,19 +2,20 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Files, Own, Written};
+use super::own::Own;
+use super::{Files, Written};
 use crate::cli::common::Common;
 use crate::error::Result;
 
 /// Where a page goes.
-pub(in crate::cli) struct Page {
+pub(crate) struct Page {
     directory: PathBuf,
     name: String,
 }
 
 impl Page {
     /// The page that `-o` names, or of this name in the directory that it names; `None` without it.
-    pub(in crate::cli) fn of(common: &Common, name: &str) -> Option<Self> {
+    pub(crate) fn of(common: &Common, name: &str) -> Option<Self> {
         let output = common.output.as_ref()?;
         let is_page = output.extension().is_some_and(|e| e.eq_ignore_ascii_case("html"));
         let named = output.file_name().and_then(|file| file.to_str());
@@ -29,28 +30,28 @@ impl Page {
     }
 
     /// The same, and without `-o` in the usual directory.
-    pub(in crate::cli) fn or_out(common: &Common, name: &str) -> Self {
+    pub(crate) fn or_out(common: &Common, name: &str) -> Self {
         Self::of(common, name).unwrap_or_else(|| Self {
             directory: common.directory().to_path_buf(),
             name: name.to_owned(),
         })
     }
 
-    pub(in crate::cli) fn directory(&self) -> &Path {
+    pub(crate) fn directory(&self) -> &Path {
         &self.directory
     }
 
-    pub(in crate::cli) fn name(&self) -> &str {
+    pub(crate) fn name(&self) -> &str {
         &self.name
     }
 
     /// A file of the same name and another ending.
-    pub(in crate::cli) fn beside(&self, ending: &str) -> String {
+    pub(crate) fn beside(&self, ending: &str) -> String {
         Path::new(&self.name).with_extension(ending).display().to_string()
     }
 
     /// Writes files where the page goes.
-    pub(in crate::cli) fn write(
+    pub(crate) fn write(
         &self,
         common: &Common,
         read: &[PathBuf],

@@ -9,12 +9,16 @@ const WIDTH: f64 = 760.0;
 const ROW: f64 = 20.0;
 const TOP: f64 = 8.0;
 const BOTTOM: f64 = 40.0;
+/// By how much bold letters are wider.
+const BOLD: f64 = 1.12;
+/// A bar reaches so many standard deviations either way.
+const SIGMAS: f64 = 2.0;
 
-/// Differences of one unit about zero; a bar reaches over what chance makes.
-pub(super) fn differences(changes: &[&Change], unit: &str, beyond: f64) -> String {
-    let names = changes.iter().map(|change| text_width(&change.name));
+/// Differences of one unit about zero; a bar reaches over two standard deviations on either side.
+pub(super) fn differences(changes: &[&Change], unit: &str) -> String {
+    let names = changes.iter().map(|change| BOLD * text_width(&change.name));
     let left = names.fold(60.0, f64::max) + 14.0;
-    let reach = |change: &&Change| change.difference().abs() + beyond * change.sigma.unwrap_or(0.0);
+    let reach = |change: &&Change| change.difference().abs() + SIGMAS * change.sigma.unwrap_or(0.0);
     let most = symmetric(changes.iter().map(reach));
     let height = TOP + ROW * changes.len() as f64 + BOTTOM;
     let (right, bottom) = (WIDTH - 16.0, height - BOTTOM);
@@ -33,7 +37,7 @@ pub(super) fn differences(changes: &[&Change], unit: &str, beyond: f64) -> Strin
         let (value, sigma) = (change.difference(), change.sigma.unwrap_or(0.0));
         let strong = if change.judged == Judged::Changed { "tick strong" } else { "tick" };
         drawing.text((left - 7.0, y + 3.5), Anchor::End, strong, &change.name);
-        let half = beyond * sigma;
+        let half = SIGMAS * sigma;
         drawing.line((at(value - half), y), (at(value + half), y), "error");
         for end in [value - half, value + half] {
             drawing.line((at(end), y - 4.0), (at(end), y + 4.0), "error");

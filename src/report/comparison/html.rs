@@ -5,7 +5,7 @@ use askama::Template;
 use super::terminal::cells;
 use super::{figures, words};
 use crate::error::{Error, Kind, Result};
-use crate::monitor::{Change, Comparison, Judged, Past};
+use crate::monitor::{self, Change, Comparison, Judged, Past};
 use crate::report::text::numbers::typeset;
 use crate::report::text::words::{capital, fine};
 
@@ -47,11 +47,15 @@ pub fn comparison_page(
         let of: Vec<&Change> = comparison
             .changes
             .iter()
+            // Ranges are in the table: by themselves they would squeeze all else.
             .filter(|change| change.unit == **unit && change.judged != Judged::Unknown)
+            .filter(|change| {
+                change.kind != monitor::Kind::Range || change.judged == Judged::Changed
+            })
             .collect();
         (!of.is_empty()).then(|| {
             let unit = fine(&format!(" {unit}")).trim().to_owned();
-            (unit.clone(), figures::differences(&of, &unit, comparison.beyond))
+            (unit.clone(), figures::differences(&of, &unit))
         })
     };
     let both = |of: &dyn Fn(&Past) -> Option<String>| {

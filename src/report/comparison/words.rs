@@ -1,6 +1,6 @@
 //! What changed, in words.
 
-use crate::monitor::{Change, Comparison, FindingChange, Found, Judged};
+use crate::monitor::{Change, Comparison, FindingChange, Found, Judged, Kind};
 use crate::report::analysis::place::decimals;
 use crate::report::text::numbers::{fixed, many, signed};
 use crate::report::text::words::{capital, list};
@@ -21,7 +21,9 @@ pub(super) fn verdict(comparison: &Comparison) -> Vec<String> {
     let mut changed: Vec<&Change> = of(Judged::Changed).collect();
     let size =
         |change: &Change| change.sigma.map_or(0.0, |sigma| change.difference().abs() / sigma);
-    changed.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    // What is of the machine first: circles show what it does to them.
+    let of_machine = |change: &Change| change.kind == Kind::Machine;
+    changed.sort_by(|a, b| of_machine(b).cmp(&of_machine(a)).then(size(b).total_cmp(&size(a))));
     told.extend(
         changed
             .iter()

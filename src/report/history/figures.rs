@@ -42,7 +42,7 @@ pub(super) fn over_time(series: &Series, first: Date, last: Date) -> String {
         let x = at(point.day);
         chart.error_bar(x, point.value, noise(point.noise));
         let place = chart.x_at(x);
-        if place >= free {
+        if place >= free && place + 0.5 * room < WIDTH {
             chart.below(x, &point.day.to_string());
             free = place + room;
         }

@@ -34,7 +34,7 @@ struct Table {
 /// When the page cannot be filled.
 pub fn history_page(history: &History, name: &dyn Fn(&Path) -> String) -> Result<String> {
     let days = history.tests.first().zip(history.tests.last());
-    let several = || history.series.iter().filter(|series| series.points.len() > 1);
+    let several = || history.series.iter().filter(|of| of.points.len() > 1 && of.is_seen());
     let pictures = days.map_or_else(Vec::new, |((first, _), (last, _))| {
         several().map(|series| figures::over_time(series, *first, *last)).collect()
     });

@@ -22,7 +22,7 @@ pub fn history_text(history: &History) -> String {
         .collect();
     text.push_str(&table(&rows, "lll"));
     let rows: Vec<Vec<String>> =
-        history.series.iter().filter(|of| of.points.len() > 1).map(cells).collect();
+        history.series.iter().filter(|of| of.points.len() > 1 && of.is_seen()).map(cells).collect();
     if !rows.is_empty() {
         text.push_str("\nQuantities (first, last, their number, trend)\n");
         text.push_str(&table(&rows, "lrrrll"));

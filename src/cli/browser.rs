@@ -1,0 +1,17 @@
+//! `--open`: a page in the browser of the user.
+
+use std::path::PathBuf;
+
+use super::output::Talk;
+
+/// Opens the first page among files; nothing of the results hangs on it.
+pub(super) fn open(files: &[PathBuf], talk: &Talk) {
+    let is_page = |file: &&PathBuf| file.extension().is_some_and(|e| e == "html");
+    let Some(page) = files.iter().find(is_page) else {
+        talk.say("nothing to open: no page was written");
+        return;
+    };
+    if let Err(error) = open::that_detached(page) {
+        talk.say(&format!("{} cannot be opened here: {error}", page.display()));
+    }
+}
