@@ -103,6 +103,7 @@ mod tests {
             value: 1.0,
             noise: Some(0.1),
             all: Some(all),
+            plausible: None,
             deviation: None,
             looks_like: looks_like.iter().map(|of| (*of).to_owned()).collect(),
         }
