@@ -201,19 +201,20 @@ fn every_control_has_its_programs_from_the_first_command_on() {
         work.ballbar(&["init", "mine", "--control", control, "--test", "zx", "--defaults"]).done();
         let machine = std::fs::read_to_string(work.path("mine/machine.toml")).unwrap();
         assert!(machine.contains(&format!("dialect = \"{control}\"")), "{machine}");
-        work.ballbar(&["program", "mine/test.toml", "-o", "p"]).done();
-        let file = format!("p/{program}");
-        let checked =
-            work.ballbar(&["check", &file, "--test", "mine/test.toml", "--plot", "-o", "p"]).done();
+        work.ballbar(&["program", "mine/test.toml"]).done();
+        let file = format!("results/{program}");
+        let checked = work.ballbar(&["check", &file, "--test", "mine/test.toml", "--plot"]).done();
         assert!(checked.stderr().contains("0 error(s), 0 warning(s)"), "{}", checked.stderr());
         let time = work.ballbar(&["time", &file, "--test", "mine/test.toml"]).done().stdout();
         // Four for the bar, and one between the two directions.
         assert!(time.contains("and 5 stop(s) for the operator"), "{time}");
-        work.ballbar(&["simulate", "mine/test.toml", "-o", "virtual"]).done();
-        work.ballbar(&["align", "virtual/test.toml", "-o", "aligned"]).done();
+        work.ballbar(&["simulate", "mine/test.toml"]).done();
+        work.ballbar(&["align", "results/test.toml"]).done();
         // The same file on a machine that speaks otherwise.
         work.machine("name", "name");
-        let other = work.ballbar(&["check", &file, "--machine", "machine.toml"]).refused(1);
-        assert!(other.contains(&format!("dialect = \"{control}\"")), "{other}");
+        let other = work.ballbar(&["check", &file, "--machine", "machine.toml"]);
+        assert_eq!(other.code(), 1);
+        let told = other.stderr();
+        assert!(told.contains(&format!("dialect = \"{control}\"")), "{told}");
     }
 }

@@ -43,8 +43,10 @@ pub(in crate::report) struct InShort {
 pub(in crate::report) struct ShortRow {
     pub(in crate::report) feature: String,
     pub(in crate::report) value: String,
-    /// Of the value, by all that is not known.
-    pub(in crate::report) all: String,
+    /// The side, in words.
+    pub(in crate::report) words: String,
+    /// Of the value, by all that is not known; with terms that were named by the noise.
+    pub(in crate::report) uncertain: String,
     pub(in crate::report) share: String,
     pub(in crate::report) fall: String,
     /// It stands out of what is not known of it.
@@ -56,9 +58,10 @@ pub(in crate::report) fn in_short(facts: &RankingFacts, most: usize) -> Option<I
     let shown = terminal::worst_repeats(facts);
     let worst = shown.into_iter().max_by(|a, b| a.deviation_um.total_cmp(&b.deviation_um))?;
     let row = |of: &FeatureResult| {
-        let Row { told, cells: [feature, value, _, all, share, _, _, _] } = row(of);
+        let Row { told, cells: [feature, value, noise, all, share, _, words, _] } = row(of);
+        let uncertain = if of.all.is_some() { all } else { noise };
         let fall = typeset(&signed(of.fall_um, 2));
-        ShortRow { feature, value, all, share, fall, told }
+        ShortRow { feature, value, words, uncertain, share, fall, told }
     };
     Some(InShort {
         title: format!("{}, {} {} µm", worst.test, worst.deviation, fixed(worst.deviation_um, 1)),
