@@ -12,8 +12,8 @@ use crate::report::{self, Analysis};
 /// Align the logs of a test, identify the machine, say what the model gets wrong, write the report
 ///
 /// Writes report.html, analysis.json and samples-RUN.csv, where something was found model.toml, and prints
-/// the summary. Without -o they go to a folder of their own, out/DAY-NAME, after the day of the test (of [record],
-/// of the logs, else today) and its name; the same logs always to the same, other logs never to it.
+/// the summary. Without -o they go to a folder of their own, out/DAY-NAME, after the day of the test (its record,
+/// else its logs, else today) and its name; the same logs always to the same, other logs never to it.
 #[derive(Args)]
 #[command(after_help = "Examples:
   ballbar analyse test.toml

@@ -4,6 +4,8 @@ use super::facts::Analysis;
 use super::place::{self, PlaceResult};
 use crate::report::circular::facts::Verdict;
 use crate::report::diagnosis::facts::FindingFacts;
+use crate::report::ranked::facts::{FeatureResult, RankingResult};
+use crate::report::ranked::remedies;
 use crate::report::text::markup::shortened;
 use crate::report::text::numbers::{decimals, fixed, signed, typeset};
 use crate::report::text::words::{capital, fine};
@@ -17,31 +19,6 @@ const RANGE_OF_RMS: f64 = 2.83;
 /// So many sentences, each of at most so many letters.
 const SENTENCES: usize = 2;
 const LETTERS: usize = 320;
-
-/// What people ask, the first word of its name, and what is done about it.
-const REMEDIES: [(&str, &str); 6] = [
-    (
-        "scale",
-        "correct the scale in the control (pitch error compensation), after the machine has had time to warm up",
-    ),
-    (
-        "squareness",
-        "align the guideways, or enter it in the squareness compensation of the control",
-    ),
-    (
-        "reversal",
-        "check nut, coupling and bearings of the drive; what is left is for the backlash compensation of the control",
-    ),
-    (
-        "lateral",
-        "adjust the gibs or the preload of the guideways; no compensation of backlash removes it",
-    ),
-    ("positioning", "enter it in the pitch error compensation of the axis"),
-    (
-        "straightness",
-        "level the machine and align the guideways; straightness compensation where the control has it",
-    ),
-];
 
 /// Something that can be repaired.
 struct Lever {
@@ -115,6 +92,9 @@ pub(super) fn of(analysis: &Analysis) -> Vec<String> {
 /// The largest cause that was named and the largest quantity, or two of one where there is none of the other; the larger
 /// first. And the largest cause that nobody would repair.
 fn two_levers(analysis: &Analysis) -> (Vec<Lever>, Option<Lever>) {
+    if let Some(features) = of_a_plane(analysis) {
+        return features;
+    }
     let named = analysis.diagnosis.iter().flat_map(|of| &of.findings).filter(|of| of.named);
     let radius_mm = radius_mm(analysis);
     let (seen, _) = place::seen(&analysis.at_the_place);
@@ -134,6 +114,37 @@ fn two_levers(analysis: &Analysis) -> (Vec<Lever>, Option<Lever>) {
     (by_size(causes).0, small)
 }
 
+/// The features of the worst circular test in the order of their table, where every test has one; `None` elsewhere: what
+/// a sphere shows beside its circles counts too.
+fn of_a_plane(analysis: &Analysis) -> Option<(Vec<Lever>, Option<Lever>)> {
+    let facts = &analysis.ranking;
+    if facts.tests.len() < analysis.circular.tests.len() {
+        return None;
+    }
+    let by_size =
+        |a: &&RankingResult, b: &&RankingResult| a.deviation_um.total_cmp(&b.deviation_um);
+    let worst = facts.tests.iter().max_by(by_size)?;
+    let told = worst.features.iter().filter(|of| of.told_apart_from_0 && !of.what_to_do.is_empty());
+    let mut levers: Vec<Lever> = told.map(|of| feature(of, worst.deviation)).collect();
+    let worth = levers.partition_point(|lever| lever.size_um >= WORTH_REPAIR_UM);
+    let small = levers.split_off(worth);
+    levers.truncate(SENTENCES);
+    Some((levers, small.into_iter().next()))
+}
+
+fn feature(of: &FeatureResult, deviation: &str) -> Lever {
+    let value = typeset(&signed(of.value, decimals(of.value, 3).min(3)));
+    let side = if of.in_words.is_empty() { String::new() } else { format!(", {}", of.in_words) };
+    let sentence = format!(
+        "{} ({}{side}; {deviation} falls by {} µm): {}.",
+        capital(&of.feature),
+        fine(&format!("{value} {}", of.unit)),
+        fixed(of.fall_um, 1),
+        of.what_to_do
+    );
+    Lever { size_um: of.fall_um, sentence }
+}
+
 fn cause(of: &FindingFacts) -> Lever {
     let rms_um = of.rms_mm * 1e3;
     Lever {
@@ -144,7 +155,14 @@ fn cause(of: &FindingFacts) -> Lever {
 
 fn quantity(of: &PlaceResult, radius_mm: f64) -> Option<Lever> {
     let kind = of.quantity.split(' ').next()?;
-    let (_, remedy) = REMEDIES.iter().find(|(word, _)| *word == kind)?;
+    // Motion is lost where the step from negative to positive motion is negative.
+    let lost = of.value < 0.0;
+    let remedy = remedies::of(kind, lost)?;
+    let side = match (kind, lost) {
+        ("reversal", true) => ", lost motion",
+        ("reversal", false) => ", over-compensated",
+        _ => "",
+    };
     let size_um = size_um(of, radius_mm)?;
     let value = typeset(&signed(of.value, decimals(of.value, 3).min(3)));
     let on_the_circle = if of.unit == "um" {
@@ -153,7 +171,7 @@ fn quantity(of: &PlaceResult, radius_mm: f64) -> Option<Lever> {
         format!(", {} µm at {} mm", fixed(size_um, 1), fixed(radius_mm, 0))
     };
     let sentence = format!(
-        "{} ({}{on_the_circle}): {remedy}.",
+        "{} ({}{on_the_circle}{side}): {remedy}.",
         capital(&of.quantity),
         fine(&format!("{value} {}", of.unit))
     );
@@ -175,7 +193,13 @@ mod tests {
         let with_remedy =
             |of: &&String| of.starts_with(&largest.title) && of.contains(largest.remedy);
         assert_eq!(told.iter().filter(with_remedy).count(), 1, "{told:?}");
-        assert!(told.iter().any(|of| REMEDIES.iter().any(|(_, to_do)| of.contains(to_do))));
+        let asked = ["squareness", "reversal", "scale", "lateral", "straightness", "positioning"];
+        let to_do = |of: &str| {
+            asked
+                .iter()
+                .any(|word| remedies::of(word, true).is_some_and(|to_do| of.contains(to_do)))
+        };
+        assert!(told.iter().any(|of| to_do(of)), "{told:?}");
     }
 
     #[test]
@@ -189,9 +213,11 @@ mod tests {
         for (value, sigma, told) in [
             (0.9, 0.1, "Nothing to repair"),
             (9.0, 5.0, "Nothing to repair"),
-            (-9.0, 0.1, "Reversal X (−9.00 µm)"),
+            (-9.0, 0.1, "Reversal X (−9.00 µm, lost motion)"),
+            (9.0, 0.1, "Reversal X (+9.00 µm, over-compensated)"),
         ] {
             keep(value, sigma, &mut analysis);
+            analysis.ranking.tests.clear();
             let sentences = of(&analysis);
             assert!(sentences[0].starts_with(told), "{sentences:?}");
             assert_eq!(sentences.len(), 1);

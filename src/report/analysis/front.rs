@@ -22,6 +22,8 @@ use crate::report::text::words::{capital, fine};
 const JUDGED: usize = 4;
 const TESTS: usize = 4;
 const ERRORS: usize = 7;
+/// Of features, each with its side in a second line: so many, and beside judged values.
+const FEATURES: [usize; 2] = [7, 3];
 /// Up to so many circles are all drawn; of more only the one with the largest deviation.
 const CIRCLES: usize = 3;
 /// So many letters of a name, and of a fact.
@@ -232,7 +234,10 @@ fn tables(analysis: &Analysis) -> Result<String> {
     });
     rendered(&Tables {
         circular: circular::in_short(&analysis.circular, TESTS),
-        ranked: ranked::in_short(&analysis.ranking, ERRORS),
+        ranked: ranked::in_short(
+            &analysis.ranking,
+            FEATURES[usize::from(analysis.circular.conformity.is_some())],
+        ),
         errors: errors.collect(),
         more,
         uncertainty: if analysis.is_local() { "all" } else { "noise" },

@@ -45,6 +45,8 @@ pub struct FeatureResult {
     pub feature: String,
     /// What its sign means; empty where it has none.
     pub in_words: String,
+    /// What is done about it; empty where nobody knows.
+    pub what_to_do: &'static str,
     /// Unit of the numbers that follow: `um`, `um/m`, `urad`, `ms` or that of a finding.
     pub unit: &'static str,
     /// Its value.

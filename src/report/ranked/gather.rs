@@ -56,6 +56,7 @@ fn result(
             .map(|feature| FeatureResult {
                 feature: words::name(feature, findings),
                 in_words: words::sign(feature, findings),
+                what_to_do: words::what_to_do(feature, findings),
                 ..numbers(feature)
             })
             .collect(),
@@ -71,6 +72,7 @@ fn numbers(of: &Feature) -> FeatureResult {
     FeatureResult {
         feature: String::new(),
         in_words: String::new(),
+        what_to_do: "",
         unit: of.unit,
         value: of.value + 0.0,
         positive_end: of.at_ends.map(|[positive, _]| positive + 0.0),

@@ -6,5 +6,6 @@
 pub(super) mod facts;
 mod gather;
 pub(super) mod html;
+pub(super) mod remedies;
 pub(super) mod terminal;
 mod words;

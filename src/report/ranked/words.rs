@@ -1,5 +1,6 @@
 //! What features are called, and what their signs mean.
 
+use super::remedies;
 use crate::features::{Feature, Kind};
 use crate::machine::Axis;
 use crate::report::diagnosis::facts::FindingFacts;
@@ -67,6 +68,14 @@ pub(super) fn sign(of: &Feature, findings: &[FindingFacts]) -> String {
             });
             way.into_iter().chain(inner).collect::<Vec<_>>().join(", ")
         }),
+    }
+}
+
+/// What is done about it: what the table of causes says of what was found.
+pub(super) fn what_to_do(of: &Feature, findings: &[FindingFacts]) -> &'static str {
+    match of.kind {
+        Kind::Found(k) => findings.get(k).map_or("", |finding| finding.remedy),
+        _ => remedies::of(&name(of, findings), of.value > 0.0).unwrap_or(""),
     }
 }
 
