@@ -110,7 +110,7 @@ fn what_was_measured_counts() {
     assert!(number(&after, "after") < 0.75 * number(&fresh, "after"));
     assert_eq!(after["next"].as_array().unwrap().len(), 5);
     // Changed since: another test was analysed.
-    let changed = analysed.path("changed.json");
+    let changed = analysed.path("results/changed.json");
     let text = std::fs::read_to_string(&analysis).unwrap();
     let hash = serde_json::from_str::<Value>(&text).unwrap()["test"]["sha256"].to_string();
     std::fs::write(&changed, text.replace(&hash, "\"0\"")).unwrap();
