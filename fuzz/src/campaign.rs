@@ -53,11 +53,8 @@ pub fn run(target: &Target) {
         outcome.one(target, seed);
     }
     let refused = outcome.inputs - outcome.accepted;
-    assert!(
-        2 * refused <= outcome.inputs,
-        "{} refuses what its inputs are changed from",
-        target.name
-    );
+    // Some seeds are wrong on purpose; where all are, mutated inputs end at the first check of the reader.
+    assert!(refused < outcome.inputs, "{} refuses all that inputs are changed from", target.name);
     for (file, input) in corpus(target.name) {
         let before = Instant::now();
         if !outcome.one(target, &input) {

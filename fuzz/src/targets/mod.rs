@@ -22,7 +22,7 @@ mod workbook;
 pub struct Target {
     /// What it is called, and where its corpus is.
     pub name: &'static str,
-    /// What mutations begin with; the reader takes most of them.
+    /// What mutations begin with; the reader takes some of them, or there would be nothing to change.
     pub seeds: fn() -> Vec<Vec<u8>>,
     /// Words of its language.
     pub words: &'static [&'static str],
