@@ -19,6 +19,8 @@ pub enum Kind {
     Positioning(Axis),
     /// Rotation of an axis about another.
     Angle(Axis, Axis),
+    /// Step of that rotation from negative to positive motion.
+    AngularReversal(Axis, Axis),
     /// By how much the first axis follows later than the second.
     ServoMismatch(Axis, Axis),
     /// A finding of the diagnosis, by its index.

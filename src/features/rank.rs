@@ -25,6 +25,10 @@ pub struct Ranking {
     pub untold_fall_mm: f64,
     /// What is left of it without any of the features, mm.
     pub left_mm: f64,
+    /// What the program's own chords and rounding make of it by themselves, mm.
+    pub commanded_mm: f64,
+    /// What noise makes of it by itself, and whatever the model does not explain, mm.
+    pub unexplained_mm: f64,
     /// The volumetric error over the sphere that was measured, mm rms; `None` where not all axes moved.
     pub volumetric_mm: Option<f64>,
 }
@@ -111,9 +115,19 @@ fn ranked(scene: &Scene, test: CircularTest) -> Result<Ranking> {
     share(&mut features);
     features.sort_by(|a, b| b.is_told().cmp(&a.is_told()).then(b.fall_mm.total_cmp(&a.fall_mm)));
     let left_mm = readings.deviation_without_mm(&all_mm, 1.0)?;
+    let commanded_mm = readings.deviation_mm(&readings.commanded_mm())?;
+    let unexplained_mm = readings.deviation_mm(&readings.residual_mm())?;
     let untold_fall_mm = read_mm - readings.deviation_without_mm(&untold_mm, 1.0)?;
     let volumetric_mm = volume.map(|volume| volume.rms_mm());
-    Ok(Ranking { test, features, untold_fall_mm, left_mm, volumetric_mm })
+    Ok(Ranking {
+        test,
+        features,
+        untold_fall_mm,
+        left_mm,
+        commanded_mm,
+        unexplained_mm,
+        volumetric_mm,
+    })
 }
 
 /// Each size as a share of the sum of all.

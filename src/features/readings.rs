@@ -14,6 +14,10 @@ struct Way {
     run: usize,
     angle_rad: Vec<f64>,
     read_mm: Vec<f64>,
+    /// How far the program's own chords and rounding lie off the sphere there.
+    commanded_mm: Vec<f64>,
+    /// What the model does not explain of each.
+    residual_mm: Vec<f64>,
     /// Where each was taken; where an axis turned round meanwhile, at several moments.
     seen: Vec<Vec<Situation>>,
 }
@@ -47,23 +51,33 @@ impl Readings {
         self.ways.iter().map(|way| way.read_mm.len()).sum()
     }
 
+    /// How far the commanded places of all readings lie off the sphere, mm.
+    pub(super) fn commanded_mm(&self) -> Vec<f64> {
+        self.ways.iter().flat_map(|way| way.commanded_mm.iter().copied()).collect()
+    }
+
+    /// What the model does not explain of all readings, mm.
+    pub(super) fn residual_mm(&self) -> Vec<f64> {
+        self.ways.iter().flat_map(|way| way.residual_mm.iter().copied()).collect()
+    }
+
     /// G(b), of one way G, with so many times what a feature adds taken off, mm.
     pub(super) fn deviation_without_mm(&self, adds_mm: &[f64], times: f64) -> Result<f64> {
-        let mut adds = adds_mm.iter();
-        let read_mm: Vec<Vec<f64>> = self
-            .ways
-            .iter()
-            .map(|way| {
-                let without = way.read_mm.iter().zip(&mut adds);
-                without.map(|(read, add)| read - times * add).collect()
-            })
-            .collect();
-        let ways: Vec<(&[f64], &[f64])> = self
-            .ways
-            .iter()
-            .zip(&read_mm)
-            .map(|(way, read_mm)| (way.angle_rad.as_slice(), read_mm.as_slice()))
-            .collect();
+        let read_mm = self.ways.iter().flat_map(|way| &way.read_mm);
+        let without: Vec<f64> =
+            read_mm.zip(adds_mm).map(|(read, add)| read - times * add).collect();
+        self.deviation_mm(&without)
+    }
+
+    /// G(b), of one way G, if this had been read, mm.
+    pub(super) fn deviation_mm(&self, read_mm: &[f64]) -> Result<f64> {
+        let mut rest = read_mm;
+        let mut ways: Vec<(&[f64], &[f64])> = Vec::new();
+        for way in &self.ways {
+            let (of_way, others) = rest.split_at(way.angle_rad.len().min(rest.len()));
+            ways.push((&way.angle_rad, of_way));
+            rest = others;
+        }
         circular::deviation_mm(&ways, self.nominal_mm)
     }
 }
@@ -72,8 +86,14 @@ fn way(scene: &Scene, path: &WayPath) -> Way {
     let run = &scene.identification.runs[path.run];
     let alignment = &run.alignment;
     let half_s = if alignment.averaged > 1 { 0.5 * alignment.sample_period_s } else { 0.0 };
-    let mut way =
-        Way { run: path.run, angle_rad: Vec::new(), read_mm: Vec::new(), seen: Vec::new() };
+    let mut way = Way {
+        run: path.run,
+        angle_rad: Vec::new(),
+        read_mm: Vec::new(),
+        commanded_mm: Vec::new(),
+        residual_mm: Vec::new(),
+        seen: Vec::new(),
+    };
     for ((number, angle_rad), read_mm) in
         path.records.iter().zip(&path.angle_rad).zip(&path.read_mm)
     {
@@ -89,6 +109,9 @@ fn way(scene: &Scene, path: &WayPath) -> Way {
         };
         way.angle_rad.push(*angle_rad);
         way.read_mm.push(*read_mm);
+        let ball_mm = sample.pose.position_mm - alignment.coincidence_mm();
+        way.commanded_mm.push(ball_mm.norm() - run.nominal_mm);
+        way.residual_mm.push(record.residual_mm);
         way.seen.push(if turns {
             let share = |k: u32| (2.0 * f64::from(k) + 1.0) / f64::from(MOMENTS) - 1.0;
             (0..MOMENTS).map(|k| at(share(k) * half_s)).collect()

@@ -1,8 +1,10 @@
 //! What features are made of: a circular test in its plane, and the model that its runs were identified with.
 
+use nalgebra::Vector3;
+
 use crate::diagnose::{Finding, Owner};
 use crate::identify::{Answer, Asked, Identification, ask};
-use crate::machine::Axis;
+use crate::machine::{Axis, Pose};
 use crate::model::{HeldEffect, LocalFrame, Model, Situation};
 use crate::solve::dot;
 
@@ -46,6 +48,12 @@ impl Scene<'_> {
     /// How far a slide is from the middle of the test, mm.
     pub(super) fn beside_mm(&self, at: &Situation, axis: Axis) -> f64 {
         at.pose.position_mm[axis.index()] - self.frame.middle_mm[axis.index()]
+    }
+
+    /// A place of which some slides only are where they are there, the others at the middle of the test, mm.
+    pub(super) fn at_middle(&self, here: &Pose, stays: impl Fn(Axis) -> bool) -> Vector3<f64> {
+        let of = |axis: Axis| if stays(axis) { here.position_mm } else { self.frame.middle_mm };
+        Vector3::from_fn(|k, _| of(Axis::ALL[k])[k])
     }
 
     /// The effects that the model holds beside its parameters, each with the index of its finding: they stand in the order of the

@@ -179,6 +179,15 @@ fn check_order(test: &Value) {
     }
 }
 
+/// Features, what was commanded and what nothing explains are all that was read: ranges about a common centre do not grow
+/// beyond their sum, but for what features do to second order.
+#[track_caller]
+fn check_sum(test: &Value) {
+    let of = |name| number(test, name);
+    let parts_um = of("unexplained_um") + of("commanded_um");
+    assert!(of("left_um") < 1.1 * parts_um, "{test:#}");
+}
+
 /// Everything together, in both signs and at every rate.
 #[test]
 fn a_plane_with_every_fault_has_each_in_its_table() {
@@ -195,6 +204,7 @@ fn a_plane_with_every_fault_has_each_in_its_table() {
         }
         check_shares(test);
         check_order(test);
+        check_sum(test);
     }
 }
 
@@ -273,6 +283,27 @@ fn one_way_alone_has_its_circular_deviation() {
     check(test, &FAULTS[3], 1.0);
 }
 
+/// The paper's machine: rotations act beside the middle lines, and the plane stands where Z came to.
+#[test]
+fn everything_that_a_measured_circle_shows_has_its_line() {
+    for set in ["hu40t", "motion-a"] {
+        let work = Work::new();
+        let test = project().join(format!("tests/data/{set}/test.toml"));
+        work.ballbar(&["analyse", test.to_str().unwrap()]).done();
+        let analysis: Value = serde_json::from_str(
+            &std::fs::read_to_string(work.path("results/analysis.json")).unwrap(),
+        )
+        .unwrap();
+        let tests = analysis["ranking"]["tests"].as_array().unwrap();
+        assert!(tests.len() >= 8, "{tests:#?}");
+        for test in tests {
+            check_order(test);
+            check_sum(test);
+            assert!(number(test, "left_um") < 0.25 * number(test, "deviation_um"), "{test:#}");
+        }
+    }
+}
+
 /// Measured data with three effects: the table against what was put in.
 #[test]
 fn the_table_of_a_measured_plane_is_what_was_put_in() {
@@ -304,6 +335,7 @@ fn the_table_of_a_measured_plane_is_what_was_put_in() {
             assert!((value - truth).abs() < near, "{truth}: {found:#}");
         }
         check_order(test);
+        check_sum(test);
         // The servo mismatch makes most of it, and a spike beside the extremes nothing.
         assert_eq!(features(test)[0]["feature"].as_str(), Some("servo mismatch XY"));
         assert!(number(named(test, "reversal spike Y"), "fall_um").abs() < 0.05);

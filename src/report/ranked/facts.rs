@@ -32,6 +32,10 @@ pub struct RankingResult {
     pub untold_fall_um: f64,
     /// What is left of it without any feature, um.
     pub left_um: f64,
+    /// What the program's own chords and rounding make of it by themselves, um.
+    pub commanded_um: f64,
+    /// What noise makes of it by itself, and whatever the model does not explain, um.
+    pub unexplained_um: f64,
     /// What was looked for and not found.
     pub not_found: Vec<String>,
     /// What does less than this to the readings would not have been found, um rms; `None` where nobody looked.

@@ -62,6 +62,8 @@ fn result(
             .collect(),
         untold_fall_um: of.untold_fall_mm * UM + 0.0,
         left_um: of.left_mm * UM,
+        commanded_um: of.commanded_mm * UM,
+        unexplained_um: of.unexplained_mm * UM,
         not_found: not_found.unwrap_or_default(),
         smallest_um: diagnosis.and_then(|diagnosis| finite(diagnosis.of_all.smallest_mm * UM)),
     }

@@ -16,7 +16,11 @@ const SERVO: &str =
 /// By the first word of a name: `squareness XY`, `backlash Y`. `lost` says of a reversal whether the motion is lost or
 /// over-compensated.
 pub(in crate::report) fn of(name: &str, lost: bool) -> Option<&'static str> {
-    match name.split(' ').next()? {
+    let mut words = name.split(' ');
+    let (first, second) = (words.next()?, words.next().unwrap_or(""));
+    match first {
+        // A slide that turns at its reversals, such as `reversal ECX`.
+        "reversal" if second.len() > 1 => Some(LATERAL),
         "scale" => Some(SCALE),
         "squareness" => Some(SQUARENESS),
         "reversal" | "backlash" if lost => Some(LOST),

@@ -100,9 +100,11 @@ pub(super) fn sentences(test: &RankingResult) -> Vec<String> {
         ));
     }
     sentences.push(format!(
-        "Without anything named here {} would be {} um: noise, and what nothing explains.",
+        "Without anything named here {} would be {} um. By itself noise, with whatever the model does not explain, makes {} um, and what the program's own chords and rounding lie off the circle {} um.",
         test.deviation,
-        fixed(test.left_um, 2)
+        fixed(test.left_um, 2),
+        fixed(test.unexplained_um, 2),
+        fixed(test.commanded_um, 2)
     ));
     if !test.not_found.is_empty() {
         let smallest = test.smallest_um.map_or_else(String::new, |um| {

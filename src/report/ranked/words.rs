@@ -2,6 +2,7 @@
 
 use super::remedies;
 use crate::features::{Feature, Kind};
+use crate::identify::Asked;
 use crate::machine::Axis;
 use crate::report::diagnosis::facts::FindingFacts;
 use crate::report::text::numbers::{decimals, fixed};
@@ -18,7 +19,8 @@ pub(super) fn name(of: &Feature, findings: &[FindingFacts]) -> String {
         Kind::LateralPlay(axis, along) => format!("lateral play {axis} in {along}"),
         Kind::Straightness(axis, along) => format!("straightness {axis} in {along}"),
         Kind::Positioning(axis) => format!("positioning {axis}"),
-        Kind::Angle(axis, about) => format!("angle E{}{axis}", ['A', 'B', 'C'][about.index()]),
+        Kind::Angle(axis, about) => Asked::Angle(axis, about).name(),
+        Kind::AngularReversal(axis, about) => Asked::AngularReversal(axis, about).name(),
         Kind::ServoMismatch(a, b) => format!("servo mismatch {a}{b}"),
         Kind::Found(k) => findings.get(k).map_or_else(String::new, |finding| {
             // A delay that all axes share has no seat.
@@ -50,7 +52,7 @@ pub(super) fn sign(of: &Feature, findings: &[FindingFacts]) -> String {
         }
         Kind::Straightness(_, along) => bow(of, along),
         Kind::Positioning(axis) => bow(of, axis),
-        Kind::Angle(..) => String::new(),
+        Kind::Angle(..) | Kind::AngularReversal(..) => String::new(),
         Kind::ServoMismatch(a, b) => {
             let [late, early] = if positive { [a, b] } else { [b, a] };
             format!("{late} follows later than {early}")
