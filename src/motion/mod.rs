@@ -13,11 +13,14 @@
 //! at its place with length zero, and whoever aligns a log finds out how long it was.
 
 mod bell;
+mod block;
+mod builder;
 mod limits;
 mod profile;
 mod reversals;
 mod trajectory;
 
+pub use block::{Block, BlockKind, State};
 pub use profile::Profile;
 pub use reversals::Reversals;
-pub use trajectory::{Block, BlockKind, Duration, State, Trajectory};
+pub use trajectory::{Duration, Trajectory};

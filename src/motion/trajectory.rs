@@ -2,61 +2,11 @@
 
 use nalgebra::Vector3;
 
-use super::bell;
-use super::limits::{self, Limits};
-use super::profile::Profile;
+use super::block::{Block, BlockKind, State, turned};
+use super::builder::Builder;
 use crate::machine::Machine;
 use crate::model::{Corner, Motion};
 use crate::nc::{Action, Move, Program};
-
-/// What a block of the trajectory is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum BlockKind {
-    /// Positioning.
-    Rapid,
-    /// Motion at feed.
-    Feed,
-    /// Standstill of known length.
-    Dwell,
-    /// Standstill until the operator presses start; length zero here.
-    Stop,
-}
-
-/// A block with its time.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Block {
-    /// What it is.
-    pub kind: BlockKind,
-    /// When it begins, s of program time, operator's pauses counted as zero.
-    pub start_s: f64,
-    /// How long it takes, s.
-    pub duration_s: f64,
-    /// Line of the program.
-    pub line: usize,
-    /// Index of its label in the program.
-    pub label: usize,
-    /// Time spent at feed before this block, s: what a feed override stretches.
-    pub feed_before_s: f64,
-    /// Where it begins, machine coordinates, mm.
-    pub start_mm: Vector3<f64>,
-    motion: Option<(Move, Profile)>,
-    /// Length of its path, mm.
-    length_mm: f64,
-    sense: Vector3<f64>,
-}
-
-/// Where the machine is at one moment.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct State {
-    /// Machine coordinates, mm.
-    pub position_mm: Vector3<f64>,
-    /// Velocity, mm/s.
-    pub velocity_mm_s: Vector3<f64>,
-    /// Sense of the last motion of each slide.
-    pub sense: Vector3<f64>,
-    /// Index of the block.
-    pub block: usize,
-}
 
 /// Time by kind, s.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -91,15 +41,7 @@ pub struct Trajectory {
 impl Trajectory {
     /// Times a program on a machine, its feeds multiplied by `feed_override`.
     pub fn new(program: &Program, machine: &Machine, feed_override: f64) -> Self {
-        let mut builder = Builder {
-            machine,
-            feed_override,
-            blocks: Vec::with_capacity(program.steps.len()),
-            now_s: 0.0,
-            feed_s: 0.0,
-            sense: Vector3::zeros(),
-            at_mm: Vector3::zeros(),
-        };
+        let mut builder = Builder::new(machine, feed_override);
         let mut stretch: Vec<(usize, usize, Move)> = Vec::new();
         let (before, steps) = program.steps.split_at(program.first_move());
         for step in steps {
@@ -254,148 +196,5 @@ impl Trajectory {
             }
         }
         total
-    }
-}
-
-impl Block {
-    /// The move, if the block moves.
-    pub fn motion(&self) -> Option<&Move> {
-        self.motion.as_ref().map(|(motion, _)| motion)
-    }
-
-    /// Whether the machine stands still at its end.
-    pub fn ends_at_rest(&self) -> bool {
-        self.motion.as_ref().is_none_or(|(_, profile)| profile.at(f64::INFINITY).1 < 1e-9)
-    }
-
-    fn position_mm(&self, time_s: f64) -> Vector3<f64> {
-        let Some((motion, profile)) = &self.motion else { return self.start_mm };
-        motion.position_mm(profile.at(time_s - self.start_s).0 / self.length_mm)
-    }
-
-    fn at(&self, time_s: f64, index: usize) -> State {
-        let still = State {
-            position_mm: self.start_mm,
-            velocity_mm_s: Vector3::zeros(),
-            sense: self.sense,
-            block: index,
-        };
-        let Some((motion, profile)) = &self.motion else { return still };
-        let (distance_mm, speed_mm_s) = profile.at(time_s - self.start_s);
-        let (position_mm, tangent) = motion.at(distance_mm / self.length_mm);
-        State {
-            position_mm,
-            velocity_mm_s: tangent * speed_mm_s,
-            sense: turned(self.sense, &tangent),
-            block: index,
-        }
-    }
-}
-
-/// Senses after moving along a direction: slides that stand still keep theirs.
-fn turned(sense: Vector3<f64>, along: &Vector3<f64>) -> Vector3<f64> {
-    // Of an arc's tangent, what is left of a component by rounding is not motion.
-    sense.zip_map(along, |before, v| if v.abs() > 1e-12 { v.signum() } else { before })
-}
-
-struct Builder<'a> {
-    machine: &'a Machine,
-    feed_override: f64,
-    blocks: Vec<Block>,
-    now_s: f64,
-    feed_s: f64,
-    sense: Vector3<f64>,
-    at_mm: Vector3<f64>,
-}
-
-impl Builder<'_> {
-    fn stand(&mut self, kind: BlockKind, duration_s: f64, line: usize, label: usize) {
-        self.blocks.push(Block {
-            kind,
-            start_s: self.now_s,
-            duration_s,
-            line,
-            label,
-            feed_before_s: self.feed_s,
-            start_mm: self.at_mm,
-            motion: None,
-            length_mm: 0.0,
-            sense: self.sense,
-        });
-        self.now_s += duration_s;
-    }
-
-    /// Times a stretch of moves that begins and ends at rest.
-    fn drive(&mut self, stretch: &mut Vec<(usize, usize, Move)>) {
-        let count = stretch.len();
-        let lengths: Vec<f64> = stretch.iter().map(|(_, _, motion)| motion.length_mm()).collect();
-        let limits: Vec<Limits> = stretch
-            .iter()
-            .zip(&lengths)
-            .map(|((_, _, motion), length_mm)| {
-                limits::of(self.machine, motion, *length_mm, self.feed_override)
-            })
-            .collect();
-        // Squared speed at the beginning of each block, and at the very end.
-        let mut squared = vec![0.0_f64; count + 1];
-        for k in 1..count {
-            let corner = limits::at_corner(self.machine, &stretch[k - 1].2, &stretch[k].2);
-            squared[k] = corner.min(limits[k - 1].speed_mm_s).min(limits[k].speed_mm_s).powi(2);
-        }
-        let gain = |k: usize| 2.0 * limits[k].acceleration_mm_s2 * lengths[k];
-        for k in 0..count {
-            squared[k + 1] = squared[k + 1].min(squared[k] + gain(k));
-        }
-        for k in (0..count).rev() {
-            squared[k] = squared[k].min(squared[k + 1] + gain(k));
-        }
-        let mut profiles: Vec<Profile> = (0..count)
-            .map(|k| {
-                Profile::fastest(
-                    lengths[k],
-                    squared[k].sqrt(),
-                    squared[k + 1].sqrt(),
-                    limits[k].speed_mm_s,
-                    limits[k].acceleration_mm_s2,
-                )
-            })
-            .collect();
-        let change_s = self.machine.controller().acceleration_change_s;
-        if change_s > 0.0 {
-            let mut start = 0;
-            for k in 0..count {
-                if squared[k + 1] == 0.0 {
-                    let range = start..=k;
-                    let filtered =
-                        bell::filtered(&profiles[range.clone()], &lengths[range.clone()], change_s);
-                    profiles.splice(range, filtered);
-                    start = k + 1;
-                }
-            }
-        }
-        for (((line, label, motion), profile), length_mm) in
-            stretch.drain(..).zip(profiles).zip(lengths)
-        {
-            let duration_s = profile.duration_s();
-            self.blocks.push(Block {
-                kind: if motion.rapid { BlockKind::Rapid } else { BlockKind::Feed },
-                start_s: self.now_s,
-                duration_s,
-                line,
-                label,
-                feed_before_s: self.feed_s,
-                start_mm: motion.start_mm,
-                motion: Some((motion, profile)),
-                length_mm,
-                sense: self.sense,
-            });
-            self.sense = turned(self.sense, &motion.at(1.0).1);
-            // An arc may turn a slide round on its way without ending on it: the tangent at the end decides.
-            self.at_mm = motion.end_mm;
-            self.now_s += duration_s;
-            if !motion.rapid {
-                self.feed_s += duration_s;
-            }
-        }
     }
 }
