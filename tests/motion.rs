@@ -171,3 +171,27 @@ fn a_slide_reverses_where_it_begins_to_move_back() {
     // X came with its first motion, began the arc against it, and has gone on in that sense since.
     assert_near(reversals.last(before_s, &state.position_mm)[0].unwrap().ago_mm, 22.0);
 }
+
+#[test]
+fn an_arc_that_ends_where_a_slide_turns_round_leaves_it_in_the_sense_in_which_it_came() {
+    // A circle in halves from -X, as a test of a plane begins, with overshoots: X turns at every seam.
+    let trajectory = driven(
+        &machine("", ""),
+        "G01 X-10. Y0. F600.\nG04 P1000\nG03 X10. I10. J0.\nG03 X-10. I-10. J0.\nG03 X10. I10. J0.\nG03 X-10. I-10. J0.\nG04 P1000\nG01 X-12.",
+    );
+    let blocks = trajectory.blocks();
+    let senses = |block: usize| {
+        let block = &blocks[block];
+        trajectory.at(block.start_s + 0.5 * block.duration_s).sense
+    };
+    let x: Vec<f64> = (0..blocks.len()).map(|block| senses(block).x).collect();
+    assert_eq!(x, [-1.0, -1.0, 1.0, -1.0, 1.0, -1.0, -1.0, -1.0]);
+    // Off the ends of the arcs Y stands, and has the sense of the half before.
+    let y: Vec<f64> = (0..blocks.len()).map(|block| senses(block).y).collect();
+    assert_eq!(y[6..], [-1.0, -1.0]);
+    let at_seams = |s: &f64| blocks[3..6].iter().any(|block| (block.start_s - s).abs() < 1e-6);
+    let seams = trajectory.reversals_s().into_iter().filter(|s| at_seams(s)).count();
+    assert_eq!(seams, 3);
+    let last = Reversals::of(&trajectory).last(trajectory.end_s(), &[-12.0, 0.0, 0.0].into());
+    assert_near(last[0].unwrap().ago_mm, 22.0);
+}

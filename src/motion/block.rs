@@ -91,6 +91,10 @@ impl Block {
     }
 }
 
+/// Where an arc begins or ends at the very extreme of a slide, its tangent there says nothing of that slide: which way it leaves or
+/// comes is told by the tangent this share of the arc away, which is far more than rounding and far less than a reading.
+pub(super) const HAIR: f64 = 1e-6;
+
 /// Senses after moving along a direction: slides that stand still keep theirs.
 pub(super) fn turned(sense: Vector3<f64>, along: &Vector3<f64>) -> Vector3<f64> {
     // Of an arc's tangent, what is left of a component by rounding is not motion.

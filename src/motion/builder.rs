@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::bell;
-use super::block::{Block, BlockKind, turned};
+use super::block::{Block, BlockKind, HAIR, turned};
 use super::limits::{self, Limits};
 use super::profile::Profile;
 use crate::machine::Machine;
@@ -114,8 +114,8 @@ impl<'a> Builder<'a> {
                 length_mm,
                 sense: self.sense,
             });
-            self.sense = turned(self.sense, &motion.at(1.0).1);
-            // An arc may turn a slide round on its way without ending on it: the tangent at the end decides.
+            // An arc may turn a slide round on its way: how it comes to its end decides.
+            self.sense = turned(self.sense, &motion.at(1.0 - HAIR).1);
             self.at_mm = motion.end_mm;
             self.now_s += duration_s;
             if !motion.rapid {

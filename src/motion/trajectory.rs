@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::block::{Block, BlockKind, State, turned};
+use super::block::{Block, BlockKind, HAIR, State, turned};
 use super::builder::Builder;
 use crate::machine::Machine;
 use crate::model::{Corner, Motion};
@@ -127,7 +127,7 @@ impl Trajectory {
         let mut times: Vec<f64> = Vec::new();
         for block in &self.blocks {
             let Some((motion, profile)) = &block.motion else { continue };
-            let begins = turned(block.sense, &motion.at(0.0).1);
+            let begins = turned(block.sense, &motion.at(HAIR).1);
             if begins != block.sense {
                 times.push(block.start_s);
             }
