@@ -58,6 +58,7 @@ impl Fit<'_> {
     pub(super) fn iterate(&mut self, detail: timing::Detail) -> Result<Outcome> {
         let mut kept: Option<Stand> = None;
         let mut halvings = 0;
+        let mut before: Option<Unknowns> = None;
         let mut misfits: Vec<f64> = Vec::new();
         let mut chosen_s = Vec::new();
         let mut wary = detail == timing::Detail::Full && !self.state.came_to_rest;
@@ -115,12 +116,18 @@ impl Fit<'_> {
             }
             let step = solution.unknowns().clone();
             let change = rows.change(&step);
-            let rows = rows.rows() as f64;
+            let count = rows.rows() as f64;
             // Rows are in units of the assumed noise: their rms corrects it.
-            let scatter = self.state.correlated * solution.shared().residual_norm() / rows.sqrt();
+            let scatter = self.state.correlated * solution.shared().residual_norm() / count.sqrt();
             let gains_nothing = gained.is_some_and(|g| g.abs() < negligible) && halvings == 0;
             halvings = 0;
-            let near = detail == timing::Detail::Smooth || change < NEARLY * scatter * rows.sqrt();
+            let near = detail == timing::Detail::Smooth || change < NEARLY * scatter * count.sqrt();
+            // Sums of squares of other samples do not compare: to and fro is told by the steps themselves.
+            let step = match before.as_ref().filter(|_| choosing) {
+                Some(last) if takes_back(&rows, last, &step) => step.times(0.5),
+                _ => step,
+            };
+            before = Some(step.clone());
             let stand = self.stand(misfit, step, solution, scatter, near);
             self.apply(&stand.step, &stand.solution);
             if !wary && (gains_nothing || change < NEGLIGIBLE * scatter.max(1e-12)) {
@@ -226,4 +233,11 @@ impl Fit<'_> {
         self.state.settled = true;
         Outcome { solution: stand.solution, steps }
     }
+}
+
+/// Whether a step takes back more than half of the one before, by what both change of the computed readings.
+fn takes_back(rows: &Bordered, before: &Unknowns, step: &Unknowns) -> bool {
+    let square = |of: &Unknowns| rows.change(of).powi(2);
+    let product = 0.5 * (square(&before.plus(step)) - square(before) - square(step));
+    product < -0.5 * square(before)
 }

@@ -54,6 +54,16 @@ impl Unknowns {
         let times = |of: &Vec<f64>| of.iter().map(|value| factor * value).collect();
         Self { shared: times(&self.shared), own: self.own.iter().map(times).collect() }
     }
+
+    /// With others.
+    #[must_use]
+    pub fn plus(&self, others: &Self) -> Self {
+        let plus = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| a + b).collect();
+        Self {
+            shared: plus((&self.shared, &others.shared)),
+            own: self.own.iter().zip(&others.own).map(plus).collect(),
+        }
+    }
 }
 
 impl BorderedSolution {
