@@ -97,7 +97,7 @@ impl Pass {
         let half_s = if alignment.averaged > 1 { 0.5 * alignment.sample_period_s } else { 0.0 };
         for (number, record) in records {
             let sample = &record.sample;
-            let unknown = record.apart == Some(Apart::TimeUnknown);
+            let unknown = matches!(record.apart, Some(Apart::TimeUnknown | Apart::End));
             let whole = [-half_s, half_s].iter().all(|s| section.is_data(sample.program_s + s));
             if !whole || unknown {
                 continue;

@@ -1,6 +1,6 @@
 //! A reading from the log to the picture: where it was taken, what the fit computes there, what became of it.
 
-use crate::align::{Part, Sample};
+use crate::align::{Part, Sample, Section};
 
 /// One reading of a run that was identified.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,6 +33,8 @@ pub enum Apart {
     TimeUnknown,
     /// An axis turns round so near to it that its sense is not known.
     Reversal,
+    /// Its arc begins or ends so near to it that it may be of the standstill or the motion there.
+    End,
 }
 
 impl Apart {
@@ -44,27 +46,39 @@ impl Apart {
             Self::Pause => "pause",
             Self::TimeUnknown => "time unknown",
             Self::Reversal => "reversal",
+            Self::End => "end of arc",
         }
     }
 
     /// Why a sample takes no part: only one on an arc does, where the sense of every axis is known, that is,
-    /// where no axis turns round within three standard deviations of its time, and not within `guard_s`.
-    pub(super) fn of(sample: &Sample, reversals_s: &[f64], guard_s: f64) -> Option<Self> {
-        match sample.part {
+    /// where no axis turns round and the arc neither begins nor ends within three standard deviations of its time, and
+    /// not within `guard_s`.
+    pub(super) fn of(
+        sample: &Sample,
+        reversals_s: &[f64],
+        sections: &[Section],
+        guard_s: f64,
+    ) -> Option<Self> {
+        let section = match sample.part {
             Part::Ramp => return Some(Self::Ramp),
             Part::Dwell => return Some(Self::Standstill),
             Part::Stop => return Some(Self::Pause),
-            Part::Arc(_) => {}
-        }
+            Part::Arc(index) => &sections[index],
+        };
         if !sample.time_sigma_s.is_finite() {
             return Some(Self::TimeUnknown);
         }
         let next = reversals_s.partition_point(|t| *t < sample.program_s);
         let guard_s = guard_s.max(3.0 * sample.time_sigma_s);
-        let near = |index: usize| {
-            reversals_s.get(index).is_some_and(|t| (t - sample.program_s).abs() < guard_s)
-        };
-        (near(next) || next.checked_sub(1).is_some_and(near)).then_some(Self::Reversal)
+        let near = |time_s: f64| (time_s - sample.program_s).abs() < guard_s;
+        let turns = |index: usize| reversals_s.get(index).is_some_and(|t| near(*t));
+        if near(section.start_s) || near(section.end_s) {
+            Some(Self::End)
+        } else if turns(next) || next.checked_sub(1).is_some_and(turns) {
+            Some(Self::Reversal)
+        } else {
+            None
+        }
     }
 }
 

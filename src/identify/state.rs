@@ -48,15 +48,17 @@ impl State {
     }
 }
 
-/// Why each sample of each run takes no part; `guard_s` is kept from every reversal at the least.
+/// Why each sample of each run takes no part; `guard_s` is kept from every reversal and every end of an arc at the least.
 pub(super) fn apart(runs: &[RunInput], guard_s: f64) -> Vec<Vec<Option<Apart>>> {
     let of_run = |run: &RunInput| {
-        let reversals_s = run.alignment.trajectory.reversals_s();
+        let (reversals_s, sections) =
+            (run.alignment.trajectory.reversals_s(), &run.alignment.sections);
         // A mean over a reversal has no sense.
         let averaged = run.alignment.averaged > 1;
         let half_s = if averaged { 0.5 * run.alignment.sample_period_s } else { 0.0 };
         let guard_s = guard_s + half_s;
-        run.samples().iter().map(|sample| Apart::of(sample, &reversals_s, guard_s)).collect()
+        let apart = |sample: &_| Apart::of(sample, &reversals_s, sections, guard_s);
+        run.samples().iter().map(apart).collect()
     };
     runs.iter().map(of_run).collect()
 }

@@ -30,7 +30,7 @@ pub(super) enum Detail {
 }
 
 impl Detail {
-    /// What is kept from every reversal at the least, s: while offsets are known to a second only, their
+    /// What is kept from every reversal and every end of an arc at the least, s: while offsets are known to a second only, their
     /// stated sigma must not let in a sample with the wrong sense.
     pub(super) fn guard_s(self) -> f64 {
         match self {
