@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::cautions::DETERMINED;
+use super::control::ControlResult;
 use super::facts::Analysis;
 use super::machine_errors::MachineErrors;
 use super::means::MeanResult;
@@ -131,14 +132,7 @@ fn control_table(analysis: &Analysis) -> String {
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for run in analysis.runs() {
         let control = &run.control;
-        let mut row = vec![
-            run.name.clone(),
-            format!(
-                "{} +- {} ms",
-                fixed(control.following_ms, 1),
-                control.following_sigma_ms.map_or("?".into(), |s| fixed(s, 1))
-            ),
-        ];
+        let mut row = vec![run.name.clone(), following(control)];
         let later = control.later_ms.iter().zip(&control.later_sigma_ms);
         row.extend(later.map(|(ms, sigma)| {
             if *sigma > 0.0 { format!("{} ms", signed(*ms, 3)) } else { "-".into() }
@@ -150,6 +144,20 @@ fn control_table(analysis: &Analysis) -> String {
         rows.push(row);
     }
     table(&rows, "lrrrrr")
+}
+
+/// With what all slides followed alike.
+///
+/// What they do for it grows with the square of the time constant, of which three standard deviations are six of its root.
+fn following(control: &ControlResult) -> String {
+    let (ms, sigma_ms) = (control.following_ms, control.following_sigma_ms);
+    match sigma_ms {
+        None => format!("{} +- ? ms", fixed(ms, 1)),
+        Some(sigma_ms) if ms < 6.0 * sigma_ms => {
+            format!("0 to {} ms", fixed(ms + 2.0 * sigma_ms, 0))
+        }
+        Some(sigma_ms) => format!("{} +- {} ms", fixed(ms, 1), fixed(sigma_ms, 1)),
+    }
 }
 
 /// Operator's pauses of a run: how many, from the shortest to the longest.
