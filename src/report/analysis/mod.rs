@@ -8,6 +8,7 @@ mod arc_table;
 mod before;
 pub(super) mod cautions;
 mod control;
+mod control_text;
 pub(super) mod facts;
 mod figures;
 mod front;

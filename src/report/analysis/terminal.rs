@@ -3,12 +3,11 @@
 use std::fmt::Write as _;
 
 use super::cautions::DETERMINED;
-use super::control::ControlResult;
 use super::facts::Analysis;
 use super::machine_errors::MachineErrors;
 use super::means::MeanResult;
 use super::run_facts::RunResult;
-use super::{place, record, verdict};
+use super::{control_text, place, record, verdict};
 use crate::report::text::layout::{paragraph, table};
 use crate::report::text::numbers::{fixed, signed};
 use crate::report::text::units::{engineering, row_decimals};
@@ -35,7 +34,7 @@ pub fn summary(analysis: &Analysis) -> String {
     text.push_str("\nRuns\n");
     text.push_str(&runs_table(analysis));
     text.push_str("\nHow the control drove\n");
-    text.push_str(&control_table(analysis));
+    text.push_str(&control_text::table_of(analysis));
     if analysis.is_local() {
         text.push_str("\nThe machine at the place of the test\n");
         text.push_str(&at_the_place(analysis));
@@ -124,40 +123,6 @@ pub fn runs_table(analysis: &Analysis) -> String {
     }
     let sides = if extended { "rrrrrrl" } else { "rrrrrl" };
     table(&rows, &format!("{}{sides}", if several { "ll" } else { "l" }))
-}
-
-/// How the control drove in every run, as far as its log tells.
-fn control_table(analysis: &Analysis) -> String {
-    let head = ["run", "all follow with", "X later by", "Y", "Z", "standstills longer by"];
-    let mut rows = vec![head.map(str::to_owned).to_vec()];
-    for run in analysis.runs() {
-        let control = &run.control;
-        let mut row = vec![run.name.clone(), following(control)];
-        let later = control.later_ms.iter().zip(&control.later_sigma_ms);
-        row.extend(later.map(|(ms, sigma)| {
-            if *sigma > 0.0 { format!("{} ms", signed(*ms, 3)) } else { "-".into() }
-        }));
-        row.push(match (control.standstill_longer_ms, control.standstill_longest_ms) {
-            (Some(mean), Some(most)) => format!("{} to {} ms", fixed(mean, 0), fixed(most, 0)),
-            _ => "-".into(),
-        });
-        rows.push(row);
-    }
-    table(&rows, "lrrrrr")
-}
-
-/// With what all slides followed alike.
-///
-/// What they do for it grows with the square of the time constant, of which three standard deviations are six of its root.
-fn following(control: &ControlResult) -> String {
-    let (ms, sigma_ms) = (control.following_ms, control.following_sigma_ms);
-    match sigma_ms {
-        None => format!("{} +- ? ms", fixed(ms, 1)),
-        Some(sigma_ms) if ms < 6.0 * sigma_ms => {
-            format!("0 to {} ms", fixed(ms + 2.0 * sigma_ms, 0))
-        }
-        Some(sigma_ms) => format!("{} +- {} ms", fixed(ms, 1), fixed(sigma_ms, 1)),
-    }
 }
 
 /// Operator's pauses of a run: how many, from the shortest to the longest.
