@@ -55,7 +55,7 @@ fn turns(scene: &Scene, slide: Axis) -> Option<Vec<usize>> {
     let of = |id: ParameterId| match id {
         ParameterId::Local(of) => Some((of.slide, of.component)),
         ParameterId::Coefficient(of) => Some((of.slide, of.component)),
-        ParameterId::SetUp(..) | ParameterId::Amplitude => None,
+        ParameterId::SetUp(..) | ParameterId::Amplitude | ParameterId::Delay(_) => None,
     };
     let about_normal = |id: ParameterId| {
         of(id).is_some_and(|(of, component)| {

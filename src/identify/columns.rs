@@ -6,6 +6,8 @@ use nalgebra::Vector3;
 
 use super::input::RunInput;
 use crate::align::TimeMap;
+use crate::machine::Axis;
+use crate::model::Model;
 use crate::solve::Matrix;
 
 /// Where the parameters of the time maps stand among the columns of their run.
@@ -40,12 +42,32 @@ fn contrasts(moving: [bool; 3]) -> Vec<Vector3<f64>> {
     contrasts
 }
 
+/// The same without what the model lets slides follow later by terms of its own.
+fn without_named(contrasts: Vec<Vector3<f64>>, named: &[Axis]) -> Vec<Vector3<f64>> {
+    let unit = |axis: &Axis| Vector3::from_fn(|k, _| f64::from(u8::from(k == axis.index())));
+    let in_them = |of: Vector3<f64>| contrasts.iter().map(|c| *c * c.dot(&of)).sum();
+    let mut taken: Vec<Vector3<f64>> = Vec::new();
+    let mut left = Vec::new();
+    let vectors = named.iter().map(|axis| (in_them(unit(axis)), true));
+    for (vector, is_taken) in vectors.chain(contrasts.iter().map(|c| (*c, false))) {
+        let outside = taken.iter().chain(&left).fold(vector, |v, of| v - *of * of.dot(&v));
+        // Nothing, or a share of a unit vector.
+        if outside.norm() > 1e-6 {
+            if is_taken { &mut taken } else { &mut left }.push(outside.normalize());
+        }
+    }
+    left
+}
+
 impl Columns {
-    pub(super) fn new(coefficients: usize, runs: &[RunInput]) -> Self {
+    pub(super) fn new(model: &Model, runs: &[RunInput]) -> Self {
+        let named = model.parameters().iter().filter_map(|parameter| parameter.id.delays());
+        let named: Vec<Axis> = named.collect();
+        let contrasts = |run: &RunInput| without_named(contrasts(run.alignment.moving), &named);
         Self {
-            coefficients,
+            coefficients: model.parameters().len(),
             legs: runs.iter().map(|run| run.alignment.legs()).collect(),
-            delays: runs.iter().map(|run| contrasts(run.alignment.moving)).collect(),
+            delays: runs.iter().map(contrasts).collect(),
             as_planned: false,
             unlike: true,
             cuts: runs.iter().map(|run| run.alignment.chord_sag_mm > NO_SAG_MM).collect(),

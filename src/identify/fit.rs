@@ -105,7 +105,7 @@ impl<'a> Fit<'a> {
     ) -> Self {
         let numbered = runs.into_iter().enumerate().map(|(number, run)| run.numbered(number));
         let runs: Vec<RunInput> = numbered.collect();
-        let columns = Columns::new(model.parameters().len(), &runs);
+        let columns = Columns::new(model, &runs);
         Self { model, options, columns, runs, state }
     }
 

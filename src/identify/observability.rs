@@ -72,7 +72,7 @@ impl<'a> Gather<'a> {
             let size = match parameter.id {
                 ParameterId::SetUp(_, mounting) if mounting != at.mounting => 0.0,
                 ParameterId::SetUp(set_up, _) => direction_size[set_up.axis.index()],
-                ParameterId::Local(_) | ParameterId::Amplitude => 0.0,
+                ParameterId::Local(_) | ParameterId::Amplitude | ParameterId::Delay(_) => 0.0,
                 ParameterId::Coefficient(c) => {
                     let basis = at.basis[c.slide.index()][c.power as usize].abs();
                     let i = c.component.direction();

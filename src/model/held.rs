@@ -5,7 +5,6 @@ use nalgebra::Vector3;
 use super::jacobian::Situation;
 use super::law::Law;
 use super::motion::Motion;
-use super::seat::Seat;
 use super::shape::Shape;
 use super::term::{Parameter, Term};
 use super::variable::Empirical;
@@ -52,9 +51,7 @@ impl HeldEffect {
         let Form::Cause(shape) = &self.form else { return None };
         match (shape.law(), shape.seat) {
             (Law::Corner(_), _) if slide.is_none() => shape.inner,
-            (Law::Curve(..), Seat::Slide(of)) if shape.cause.id == "servo" && slide == Some(of) => {
-                self.amplitudes.first().copied()
-            }
+            _ if slide.is_some() && shape.delays() == slide => self.amplitudes.first().copied(),
             _ => None,
         }
     }

@@ -154,6 +154,14 @@ impl Shape {
         }
     }
 
+    /// The slide that it lets follow later than the others, as much as its amplitude says.
+    pub fn delays(&self) -> Option<Axis> {
+        match (self.law(), self.seat) {
+            (Law::Curve(..), Seat::Slide(slide)) if self.cause.id == "servo" => Some(slide),
+            _ => None,
+        }
+    }
+
     /// Unit of the amplitudes.
     fn unit(&self) -> &'static str {
         match (self.law(), self.seat) {
@@ -174,7 +182,7 @@ impl Term for Shape {
     fn parameters(&self) -> Vec<Parameter> {
         let name = self.name();
         let of = |part: String| Parameter {
-            id: ParameterId::Amplitude,
+            id: self.delays().map_or(ParameterId::Amplitude, ParameterId::Delay),
             name: format!("{name}{part}"),
             unit: self.unit(),
             plausible: None,

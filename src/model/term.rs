@@ -21,14 +21,21 @@ pub enum ParameterId {
     Local(Local),
     /// An amplitude of an effect.
     Amplitude,
+    /// How much later a slide follows than the others.
+    Delay(Axis),
 }
 
 impl ParameterId {
+    /// The slide that it lets follow later than the others.
+    pub fn delays(self) -> Option<Axis> {
+        if let Self::Delay(slide) = self { Some(slide) } else { None }
+    }
+
     /// The coefficient, if it is one.
     pub fn coefficient(self) -> Option<Coefficient> {
         match self {
             Self::Coefficient(of) => Some(of),
-            Self::SetUp(..) | Self::Local(_) | Self::Amplitude => None,
+            Self::SetUp(..) | Self::Local(_) | Self::Amplitude | Self::Delay(_) => None,
         }
     }
 
@@ -36,7 +43,7 @@ impl ParameterId {
     pub fn set_up(self) -> Option<(SetUp, usize)> {
         match self {
             Self::SetUp(of, mounting) => Some((of, mounting)),
-            Self::Coefficient(_) | Self::Local(_) | Self::Amplitude => None,
+            Self::Coefficient(_) | Self::Local(_) | Self::Amplitude | Self::Delay(_) => None,
         }
     }
 }
@@ -59,9 +66,10 @@ impl Parameter {
     pub fn bare_name(&self) -> String {
         match self.id {
             ParameterId::SetUp(of, _) => of.to_string(),
-            ParameterId::Coefficient(_) | ParameterId::Local(_) | ParameterId::Amplitude => {
-                self.name.clone()
-            }
+            ParameterId::Coefficient(_)
+            | ParameterId::Local(_)
+            | ParameterId::Amplitude
+            | ParameterId::Delay(_) => self.name.clone(),
         }
     }
 }

@@ -343,3 +343,28 @@ fn the_table_of_a_measured_plane_is_what_was_put_in() {
         assert!(number(test, "left_um") < 0.3 * number(test, "deviation_um"), "{test:#}");
     }
 }
+
+/// Effects that are named as terms are those of the table, and the fit lets no slide follow later beside them.
+#[test]
+fn a_servo_mismatch_that_is_a_term_of_the_model() {
+    let work = Work::new();
+    let set = project().join("tests/data/planar250");
+    let text = std::fs::read_to_string(set.join("test.toml")).unwrap();
+    let text = ["machine", "program", "log"].iter().fold(text, |text, key| {
+        text.replace(&format!("{key} = \""), &format!("{key} = \"{}/", set.display()))
+    });
+    let terms = "terms = [\"local\", \"servo:on=X\", \"cyclic:on=EXX,period_mm=10\", \
+                 \"reversal-spike:on=Y,decay_ms=50\"]";
+    work.write("test.toml", format!("{text}\n[identify]\n{terms}\n"));
+    work.ballbar(&["identify", "test.toml"]).done();
+    let analysis = std::fs::read_to_string(work.path("results/analysis.json")).unwrap();
+    let analysis: Value = serde_json::from_str(&analysis).unwrap();
+    for test in analysis["ranking"]["tests"].as_array().unwrap() {
+        let servo = named(test, "servo mismatch XY");
+        let (value, all) = (number(servo, "value"), number(servo, "all"));
+        assert!((value - 0.3).abs() < (3.0 * all).max(0.015), "{servo:#}");
+    }
+    let control = &analysis["repeats"][0]["runs"][0]["control"];
+    let later = |slide: usize| control["later_ms"][slide].as_f64().unwrap();
+    assert!((later(0) - later(1) - 0.3).abs() < 0.015, "{control:#}");
+}

@@ -29,10 +29,19 @@ pub(crate) fn again(residuals: &Residuals, campaign: &Campaign, chosen: &Chosen)
     let stands = search.beyond_chance(fitted);
     let dropped = stands.as_ref().is_none_or(|fitted| fitted.elements.len() < count);
     let stands = search.forward(stands, true, MOST_EFFECTS);
-    match stands {
-        Some(fitted) if !dropped && fitted.elements.len() == count => Again::Same,
-        stands => Again::Other(stands.and_then(|fitted| search.named(fitted))),
-    }
+    let stands = match stands {
+        Some(fitted) if !dropped && fitted.elements.len() == count => {
+            // A cause that fell a little short of a curve there may explain as much here.
+            let elements = fitted.elements.clone();
+            let causes = search.without_curves(fitted);
+            if causes.elements == elements {
+                return Again::Same;
+            }
+            Some(causes)
+        }
+        stands => stands,
+    };
+    Again::Other(stands.and_then(|fitted| search.named(fitted)))
 }
 
 impl Search<'_> {

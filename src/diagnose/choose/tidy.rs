@@ -44,7 +44,7 @@ impl Search<'_> {
     }
 
     /// Causes in place of curves, where they explain as much.
-    fn without_curves(&mut self, fitted: Fitted) -> Fitted {
+    pub(crate) fn without_curves(&mut self, fitted: Fitted) -> Fitted {
         let mut best = fitted;
         let mut index = 0;
         while index < best.elements.len() {

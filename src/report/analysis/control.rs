@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::align::Alignment;
+use crate::identify::Estimate;
 use crate::machine::Axis;
 use crate::model::HeldEffect;
 use crate::report::text::numbers::finite;
@@ -26,12 +27,21 @@ pub struct ControlResult {
 }
 
 impl ControlResult {
-    /// From the time map of a run and the following errors that were found: what these took over the map has no more.
-    pub(super) fn of(alignment: &Alignment, held: &[HeldEffect], run: usize) -> Self {
+    /// From the time map of a run and the following errors that were found or are terms of the model: what these took over
+    /// the map has no more.
+    pub(super) fn of(
+        alignment: &Alignment,
+        estimates: &[Estimate],
+        held: &[HeldEffect],
+        run: usize,
+    ) -> Self {
         let map = &alignment.time_map;
         let found: Vec<&HeldEffect> = held.iter().filter(|effect| effect.is_in(run)).collect();
         let of = |axis: Option<Axis>| -> f64 {
-            found.iter().filter_map(|of| of.follows_later_s(axis)).fold(0.0, |sum, s| sum + s)
+            let found_s = found.iter().filter_map(|of| of.follows_later_s(axis));
+            let named =
+                estimates.iter().filter(|e| axis.is_some() && e.parameter.id.delays() == axis);
+            found_s.chain(named.map(|estimate| estimate.value)).fold(0.0, |sum, s| sum + s)
         };
         let moving = alignment.moving;
         let own_s = Axis::ALL.map(|axis| if moving[axis.index()] { of(Some(axis)) } else { 0.0 });
@@ -41,6 +51,14 @@ impl ControlResult {
             let k = axis.index();
             map.delays_s[k] + if moving[k] { own_s[k] - mean_own_s } else { 0.0 }
         });
+        // What is not known of a term of the model, each against the mean.
+        let sigma_s = Axis::ALL.map(|axis| {
+            let named = estimates.iter().filter_map(|e| Some((e.parameter.id.delays()?, e.sigma)));
+            let moved = named.filter(|(of, _)| moving[of.index()] && moving[axis.index()]);
+            let share = |of: Axis| f64::from(u8::from(of == axis)) - 1.0 / count;
+            let own_s = moved.fold(0.0_f64, |sum_s, (of, s)| sum_s.hypot(share(of) * s));
+            map.delay_sigmas_s[axis.index()].hypot(own_s)
+        });
         let stood = map.breaks().iter().zip(map.stood_s()).filter(|(at, _)| !at.operator);
         let stood_s: Vec<f64> = stood.filter_map(|(_, stood_s)| stood_s).collect();
         let mean_s = stood_s.iter().sum::<f64>() / stood_s.len().max(1) as f64;
@@ -49,7 +67,7 @@ impl ControlResult {
             following_ms: ms(map.following_s + of(None)),
             following_sigma_ms: finite(ms(map.following_sigma_s)),
             later_ms: later_s.map(ms),
-            later_sigma_ms: map.delay_sigmas_s.map(ms).into(),
+            later_sigma_ms: sigma_s.map(ms),
             standstill_longer_ms: (!stood_s.is_empty()).then(|| ms(mean_s)),
             standstill_longest_ms: stood_s.iter().copied().reduce(f64::max).map(ms),
         }

@@ -162,7 +162,7 @@ fn repeat(
         .map(|(place, run)| {
             let of_file = stated.take(&run.name);
             number = number.or(of_file.map(|run| run.repeat));
-            let control = ControlResult::of(&run.alignment, held, place);
+            let control = ControlResult::of(&run.alignment, &from.estimates, held, place);
             run_result(run, control, of_file, stated.mounting(run.mounting))
         })
         .collect();

@@ -205,6 +205,6 @@ fn fault(id: ParameterId) -> String {
         }
         ParameterId::SetUp(of, _) => format!("the set-up error {of}"),
         ParameterId::Coefficient(of) => of.to_string(),
-        ParameterId::Amplitude => "an effect".to_owned(),
+        ParameterId::Amplitude | ParameterId::Delay(_) => "an effect".to_owned(),
     }
 }
