@@ -134,6 +134,11 @@ pub struct Section {
 }
 
 impl Section {
+    /// How long it takes, s.
+    pub(super) fn duration_s(&self) -> f64 {
+        self.end_s - self.start_s
+    }
+
     /// In what direction it is driven, in words.
     pub fn direction(&self) -> &'static str {
         match (self.circle, self.forward) {

@@ -43,7 +43,7 @@ fn contrasts(moving: [bool; 3]) -> Vec<Vector3<f64>> {
 }
 
 /// The same without what the model lets slides follow later by terms of its own.
-fn without_named(contrasts: Vec<Vector3<f64>>, named: &[Axis]) -> Vec<Vector3<f64>> {
+fn without_named(contrasts: &[Vector3<f64>], named: &[Axis]) -> Vec<Vector3<f64>> {
     let unit = |axis: &Axis| Vector3::from_fn(|k, _| f64::from(u8::from(k == axis.index())));
     let in_them = |of: Vector3<f64>| contrasts.iter().map(|c| *c * c.dot(&of)).sum();
     let mut taken: Vec<Vector3<f64>> = Vec::new();
@@ -63,7 +63,7 @@ impl Columns {
     pub(super) fn new(model: &Model, runs: &[RunInput]) -> Self {
         let named = model.parameters().iter().filter_map(|parameter| parameter.id.delays());
         let named: Vec<Axis> = named.collect();
-        let contrasts = |run: &RunInput| without_named(contrasts(run.alignment.moving), &named);
+        let contrasts = |run: &RunInput| without_named(&contrasts(run.alignment.moving), &named);
         Self {
             coefficients: model.parameters().len(),
             legs: runs.iter().map(|run| run.alignment.legs()).collect(),

@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
+use nalgebra::Vector3;
+
 use super::input::RunInput;
 use crate::align;
 use crate::error::{Error, Kind, Place, Result};
 use crate::log::{self, Log};
-use crate::machine::Machine;
+use crate::machine::{Axis, Machine};
 use crate::nc;
 use crate::plan::{Run, Test};
 
@@ -75,7 +77,27 @@ impl MeasuredRun {
                     test.file().display()
                 )));
         }
-        let alignment = align::align(&run)?;
+        let alignment = align::align(&run).map_err(|error| match align::off_centre(&run) {
+            Some(offset_mm) => self.off_centre(offset_mm),
+            None => error,
+        })?;
         Ok(RunInput::new(self.name.clone(), self.mounting, bar.length_mm, alignment))
+    }
+
+    /// What is said of balls that stand too far off for the bar's range.
+    fn off_centre(&self, offset_mm: Vector3<f64>) -> Error {
+        let parts = Axis::ALL.map(|axis| format!("{axis} {:+.2}", offset_mm[axis.index()]));
+        Error::new(
+            Kind::Mismatch,
+            format!(
+                "the tool ball was {:.2} mm ({} mm) from where the program means it, so the bar read where it should be out of its range",
+                offset_mm.norm(),
+                parts.join(", ")
+            ),
+        )
+        .at(Place::file(self.log.file()))
+        .hint(
+            "bring the balls together again and set the work offset there, or check `coincidence_mm`; then repeat the run. An axis that this arc does not show reads +0.00",
+        )
     }
 }

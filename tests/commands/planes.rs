@@ -78,3 +78,23 @@ fn what_cannot_be_a_plane_is_refused_with_its_line() {
         assert!(message.contains(&format!("test.toml:{line}:")), "{line}: {message}");
     }
 }
+
+/// A ball that stands so far off that the bar still reads where it is retracted.
+#[test]
+fn a_ball_that_stands_nearly_a_millimetre_off() {
+    let plan = "[plan]\nstrategy = \"xy\"\nfeed_mm_min = 1000.0\n";
+    let work = bench("vertical.toml", "[20.0, -35.0, -300.0]", plan);
+    let off = "[coefficients]\n[set_up]\nEXt = 0.8\nEYt = -0.5\nEZt = 0.3\n";
+    work.write("off.toml", off);
+    work.ballbar(&["simulate", "test.toml", "--scenario", "off.toml"]).done();
+    std::fs::rename(work.path("results"), work.path("runs")).unwrap();
+    let told = work.ballbar(&["analyse", "runs/test.toml"]).refused(3);
+    // To a tenth along the plane, and nothing across it.
+    let off = told.split_once(" mm (X ").unwrap().1;
+    let read =
+        |after: &str| -> f64 { off.split_once(after).map_or(off, |of| of.1)[..5].parse().unwrap() };
+    for (after, truth) in [("", 0.8), ("Y ", -0.5), ("Z ", 0.0)] {
+        assert!((read(after) - truth).abs() < 0.05, "{told}");
+    }
+    assert!(told.contains("hint: bring the balls together again"), "{told}");
+}
