@@ -44,7 +44,7 @@ fn longest(log: &Log, value_mm: f64) -> usize {
 }
 
 /// The log with what was cut off as out of range, and the readings that were; `None` where nothing was.
-pub(super) fn taken_out(log: &Log) -> Option<(Log, Vec<Reading>)> {
+pub fn taken_out(log: &Log) -> Option<(Log, Vec<Reading>)> {
     let limits_mm = limits_mm(log);
     let cut = |reading: &Reading| reading.deviation_mm.is_some_and(|mm| limits_mm.contains(&mm));
     let clipped: Vec<Reading> = log.readings().iter().filter(|r| cut(r)).copied().collect();

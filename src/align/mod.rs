@@ -38,6 +38,7 @@ mod window;
 
 pub use breaks::Break;
 pub use by_angle::by_angle;
+pub use clipped::taken_out as clipped;
 pub use engagement::{Engagement, Refusal};
 pub use lay::align;
 pub use misread::{Misread, misread};

@@ -28,6 +28,7 @@ mod program;
 mod reference;
 mod results;
 mod show;
+mod shown_table;
 mod simulate;
 mod stage;
 mod time;

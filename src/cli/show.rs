@@ -1,48 +1,85 @@
-//! `ballbar show`: says what is in a file of Ballbar 20.
+//! `ballbar show`: says what is in a log, before there is a test.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::{Value, json};
 
 use super::common::Common;
-use super::output;
+use super::{output, shown_table};
 use crate::error::Result;
-use crate::log::{self, BallbarFile};
+use crate::log::{self, BallbarFile, Content, Format};
+use crate::plan::Test;
 
-/// Say what is in a .b5r of Ballbar 20
+/// Say what is in a log, and how it is understood
 ///
-/// Who, when and with what, the runs with how many readings, and what Ballbar 20 made of them. The format is not described in
-/// public: what is not known of it is left out. To analyse one, name it as the `log` of a run.
+/// Of a table (text or .xlsx): its encoding, columns, units, rate, clock, span, gaps, and what is out of range or cut off. Without
+/// --test the columns are those whose names say their units, and the lines to write in a test file are told.
+///
+/// Of a .b5r: who, when and with what, the runs with how many readings, and what Ballbar 20 made of them. The format is not
+/// described in public: what is not known of it is left out.
 #[derive(Args)]
-#[command(
-    after_help = "Examples:\n  ballbar show monday.b5r\n  ballbar show monday.b5r --json | jq .runs"
-)]
+#[command(after_help = "Examples:
+  ballbar show monday.csv
+  ballbar show monday.b5r tuesday.xlsx --test test.toml
+  ballbar show monday.b5r --json | jq .files[0].runs")]
 pub(super) struct Arguments {
-    /// Files of Ballbar 20
+    /// Logs, gzipped or not
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
+    /// Test file that says under [log] how they are written
+    #[arg(long, value_name = "FILE")]
+    test: Option<PathBuf>,
 }
 
 impl Arguments {
     pub(super) fn run(&self, common: &Common) -> Result<()> {
-        let mut shown = Vec::new();
+        let test = self.test.as_deref().map(Test::read).transpose()?;
+        let mut list = Vec::new();
+        let mut text = String::new();
         for file in &self.files {
-            shown.push((file, log::read_ballbar_file(file)?));
+            let format = test.as_ref().map(|test| format_of(test, file));
+            let content = log::look_into(file, format.as_ref())?;
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{}", file.display());
+            let mut value = match &content {
+                Content::Table(table) => {
+                    text += &shown_table::as_text(table, test.is_some());
+                    shown_table::as_json(table)
+                }
+                Content::Ballbar(found) => {
+                    let taken = log::log_of(found, file, &format.unwrap_or_default());
+                    text += &as_text(found);
+                    match &taken {
+                        Ok(log) => log.notes().iter().for_each(|note| caution(&mut text, note)),
+                        Err(error) => caution(&mut text, &format!("as a log: {}", error.what)),
+                    }
+                    as_json(found, &taken)
+                }
+            };
+            value["file"] = file.display().to_string().into();
+            list.push(value);
         }
         if common.json {
-            let list: Vec<Value> = shown.iter().map(|(_, found)| as_json(found)).collect();
-            return output::print(&format!(
-                "{:#}\n",
-                json!({ "format": "ballbar.show/1", "files": list })
-            ));
+            return output::print_json("show", json!({ "files": list }));
         }
-        for (file, found) in shown {
-            output::print(&format!("{}\n{}", file.display(), as_text(&found)))?;
-        }
-        Ok(())
+        output::print(&text)
     }
+}
+
+/// How a test says that a log is written: by the run that names it, else as in its first mounting.
+fn format_of(test: &Test, log: &Path) -> Format {
+    let same = |of: &Path| match (of.canonicalize(), log.canonicalize()) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => false,
+    };
+    let run = test.runs().unwrap_or_default().iter().find(|run| same(&run.log));
+    test.log_format_of(run.map_or(0, |run| run.mounting))
+}
+
+fn caution(text: &mut String, what: &str) {
+    let _ = writeln!(text, "  {:<16}{what}", "caution");
 }
 
 /// What is said of the day, each with its name.
@@ -70,7 +107,6 @@ fn way(counter_clockwise: Option<bool>) -> Option<&'static str> {
 
 fn as_text(found: &BallbarFile) -> String {
     let mut text = String::new();
-    // Writing to a string cannot fail.
     for (name, value) in facts(found) {
         if let Some(value) = value {
             let _ = writeln!(text, "  {name:<16}{value}");
@@ -97,7 +133,7 @@ fn as_text(found: &BallbarFile) -> String {
     text
 }
 
-fn as_json(found: &BallbarFile) -> Value {
+fn as_json(found: &BallbarFile, taken: &Result<log::Log>) -> Value {
     let features = |of: &[log::Feature]| -> Vec<Value> {
         of.iter().map(|f| json!({ "name": f.name, "unit": f.unit, "value": f.value })).collect()
     };
@@ -114,6 +150,9 @@ fn as_json(found: &BallbarFile) -> Value {
         })
         .collect();
     json!({
+        "kind": "ballbar 20",
+        "notes": taken.as_ref().map_or(&[][..], log::Log::notes),
+        "refused": taken.as_ref().err().map(|error| &error.what),
         "test": found.test,
         "operator": found.operator,
         "started": found.started,

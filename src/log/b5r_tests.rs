@@ -132,7 +132,7 @@ fn what_is_in_a_file() {
     let directory = tempfile::tempdir().unwrap();
     let file = directory.path().join("run.b5r");
     std::fs::write(&file, PLAIN.text()).unwrap();
-    let found = read_ballbar_file(&file).unwrap();
+    let Content::Ballbar(found) = look_into(&file, None).unwrap() else { panic!("a table") };
     assert_eq!(found.operator.as_deref(), Some("M. Meier & Sohn"));
     assert_eq!(found.machine.as_deref(), Some("DMU 50"));
     assert_eq!(found.instrument.as_deref(), Some("Renishaw QC20-W"));

@@ -7,7 +7,7 @@ use super::clock::Clock;
 use super::number::is_no_reading;
 use super::text::{Line, quote, split};
 use crate::error::{Error, Place, Result};
-use crate::plan::log_format::{Delimiter, Format, LengthUnit, TimeColumn, TimeUnit};
+use crate::plan::log_format::{Delimiter, Format, LengthUnit, ReadingColumn, TimeColumn, TimeUnit};
 
 /// So many columns are listed in a message.
 const LISTED: usize = 20;
@@ -30,12 +30,7 @@ pub(super) fn find_header<'a>(
     lines: &mut impl Iterator<Item = Line<'a>>,
     format: &Format,
 ) -> Result<Header<'a>> {
-    let mut lines = lines.filter(|line| !line.is_comment() && !line.is_blank()).peekable();
-    let mut told = format.delimiter;
-    if told.is_none() {
-        told = lines.peek().and_then(|line| Delimiter::told(line.text));
-        let _ = lines.next_if(|_| told.is_some());
-    }
+    let (told, mut lines) = separated(lines, format);
     let delimiters = told.map_or(Delimiter::ALL.to_vec(), |told| vec![told]);
     let wanted = match &format.time {
         TimeColumn::Named { name, .. } | TimeColumn::Angle { name } => {
@@ -45,7 +40,7 @@ pub(super) fn find_header<'a>(
     };
     let mut fields = Vec::new();
     let mut seen: Vec<Line> = Vec::new();
-    for line in lines.take(LOOKED_AT) {
+    for line in lines.by_ref().take(LOOKED_AT) {
         for &delimiter in &delimiters {
             split(line.text, delimiter, &mut fields);
             let has = |name: &&str| fields.iter().any(|of| same_name(&line.text[of.clone()], name));
@@ -78,6 +73,59 @@ pub(super) fn find_header<'a>(
         }
     }
     Ok(Header { line: names, delimiter: likely(names) })
+}
+
+/// The lines that say something, and the delimiter that the first of them tells.
+fn separated<'a>(
+    lines: impl Iterator<Item = Line<'a>>,
+    format: &Format,
+) -> (Option<Delimiter>, impl Iterator<Item = Line<'a>>) {
+    let mut lines = lines.filter(|line| !line.is_comment() && !line.is_blank()).peekable();
+    let mut told = format.delimiter;
+    if told.is_none() {
+        told = lines.peek().and_then(|line| Delimiter::told(line.text));
+        let _ = lines.next_if(|_| told.is_some());
+    }
+    (told, lines)
+}
+
+/// The format with the columns whose names say their units, in the first line that has such; `None` where no line has.
+pub(super) fn by_name<'a>(
+    lines: impl Iterator<Item = Line<'a>>,
+    format: &Format,
+) -> Option<Format> {
+    let (told, lines) = separated(lines, format);
+    let delimiters = told.map_or(Delimiter::ALL.to_vec(), |told| vec![told]);
+    let mut fields = Vec::new();
+    for line in lines.take(LOOKED_AT) {
+        for &delimiter in &delimiters {
+            split(line.text, delimiter, &mut fields);
+            let names = || fields.iter().map(|field| &line.text[field.clone()]);
+            let own = format.reading.name.as_str();
+            let reading = names()
+                .find(|name| same_name(name, own))
+                .or_else(|| names().find(|name| LengthUnit::of_column(name).is_some()));
+            let time = names().find_map(|name| TimeUnit::of_column(name).map(|unit| (name, unit)));
+            let angle = names().find(|name| is_angle(name));
+            let time = match (time, angle) {
+                (Some((name, unit)), _) => TimeColumn::Named { name: name.to_owned(), unit },
+                (None, Some(name)) => TimeColumn::Angle { name: name.to_owned() },
+                (None, None) => continue,
+            };
+            let Some(name) = reading else { continue };
+            let unit = LengthUnit::of_column(name).unwrap_or(format.reading.unit);
+            let reading = ReadingColumn { name: name.to_owned(), unit, ..format.reading.clone() };
+            return Some(Format { time, reading, ..format.clone() });
+        }
+    }
+    None
+}
+
+/// Whether the name of a column ends with a unit of angles.
+fn is_angle(name: &str) -> bool {
+    let between = |c: char| c.is_whitespace() || "_[]()/:;".contains(c);
+    let unit = name.split(between).rfind(|word| !word.is_empty());
+    unit.is_some_and(|unit| ["deg", "degree", "degrees", "grad", "\u{b0}"].contains(&unit))
 }
 
 /// Whether a line holds nothing but numbers, times and words for no reading.

@@ -14,12 +14,15 @@ const EXPORT: &str = "a log is text, plain or gzipped, an Excel workbook (.xlsx)
 /// A text that is not UTF-8 grows to three times its size at the most.
 const LARGEST_OTHER_BYTES: usize = 1 << 27;
 
-/// The text of a log.
+/// A text, and the name of its encoding.
+type Decoded<'a> = (Cow<'a, str>, &'static str);
+
+/// The text of a log, and the name of its encoding.
 ///
 /// A byte order mark decides, then the test file. Without either, UTF-16 is known by its zeros and UTF-8 by being valid; what is
 /// left is taken for Windows-1252. Numbers are the same in every code page of Windows: another one spoils the names of
 /// columns at the most, and then they are not found.
-pub(super) fn as_text<'a>(bytes: &'a [u8], file: &Path, format: &Format) -> Result<Cow<'a, str>> {
+pub(super) fn as_text<'a>(bytes: &'a [u8], file: &Path, format: &Format) -> Result<Decoded<'a>> {
     let (encoding, bytes) = match Encoding::for_bom(bytes) {
         Some((encoding, length)) => (Some(encoding), &bytes[length..]),
         None => (format.encoding.map(crate::plan::log_format::TextEncoding::get), bytes),
@@ -31,7 +34,7 @@ pub(super) fn as_text<'a>(bytes: &'a [u8], file: &Path, format: &Format) -> Resu
     }
     let (wrong, what) = match std::str::from_utf8(bytes) {
         Ok(text) => match text.find('\0') {
-            None => return Ok(Cow::Borrowed(text)),
+            None => return Ok((Cow::Borrowed(text), UTF_8.name())),
             Some(at) => (at, "the log is not text: it holds a NUL byte".to_owned()),
         },
         Err(_) if guessed && bytes.iter().all(|&byte| is_text(byte)) => {
@@ -51,7 +54,7 @@ pub(super) fn as_text<'a>(bytes: &'a [u8], file: &Path, format: &Format) -> Resu
     Err(Error::input(what).at(Place::span(file, number, column, 1, &shown)).hint(EXPORT))
 }
 
-fn decoded<'a>(bytes: &'a [u8], encoding: &'static Encoding, file: &Path) -> Result<Cow<'a, str>> {
+fn decoded<'a>(bytes: &'a [u8], encoding: &'static Encoding, file: &Path) -> Result<Decoded<'a>> {
     let refused = |what: String| Err(Error::input(what).at(Place::file(file)).hint(EXPORT));
     let name = encoding.name();
     if bytes.len() > LARGEST_OTHER_BYTES {
@@ -62,7 +65,7 @@ fn decoded<'a>(bytes: &'a [u8], encoding: &'static Encoding, file: &Path) -> Res
         Some(text) if text.contains('\0') => {
             refused(format!("the log is not text in {name}: it holds a NUL"))
         }
-        Some(text) => Ok(text),
+        Some(text) => Ok((text, name)),
     }
 }
 

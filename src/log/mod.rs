@@ -26,6 +26,7 @@ mod ballbar_log;
 mod by_angle;
 mod clock;
 mod columns;
+mod content;
 mod day;
 mod encoding;
 mod number;
@@ -51,5 +52,6 @@ pub use crate::plan::log_format::{
 };
 pub use b5r::{BallbarFile, BarRun, Feature};
 pub use by_angle::{Angles, ByAngle, Turn};
-pub use read::{read, read_ballbar_file, read_bytes};
+pub use content::{Content, Layout, Table, Written};
+pub use read::{log_of, look_into, read, read_bytes};
 pub use reading::{Log, Reading};

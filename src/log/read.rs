@@ -5,10 +5,11 @@ use std::path::Path;
 use super::b5r::{self, BallbarFile};
 use super::ballbar_log;
 use super::by_angle::{self, ByAngle};
-use super::columns::{CHOOSE_COLUMNS, find_header, same_name};
+use super::columns::{CHOOSE_COLUMNS, by_name, find_header, same_name};
+use super::content::{Content, Layout, Table, Written};
 use super::encoding::as_text;
 use super::reading::Log;
-use super::table::{Rows, Table};
+use super::table::{self, Rows};
 use super::text::lines;
 use super::workbook;
 use crate::error::{Error, Place, Result};
@@ -20,29 +21,77 @@ const RATES_HZ: std::ops::RangeInclusive<f64> = 1e-3..=1e6;
 
 /// Reads a log.
 pub fn read(file: &Path, format: &Format) -> Result<Log> {
-    read_plain(&input::read(file, "log")?, file, format)
+    as_log(content(&input::read(file, "log")?, file, format, Columns::AsStated)?, file, format)
 }
 
 /// Reads a log from the content of a file; `file` is only named in messages and in the log.
 pub fn read_bytes(bytes: &[u8], file: &Path, format: &Format) -> Result<Log> {
-    read_plain(&input::unpacked(bytes, file, "log")?, file, format)
+    let bytes = input::unpacked(bytes, file, "log")?;
+    as_log(content(&bytes, file, format, Columns::AsStated)?, file, format)
 }
 
-fn read_plain(bytes: &[u8], file: &Path, format: &Format) -> Result<Log> {
+/// Reads whatever holds readings, for who wants to see what is in it; without a format the columns are those whose names say
+/// their units, and a table by angle need not say its plane.
+pub fn look_into(file: &Path, format: Option<&Format>) -> Result<Content> {
+    let default = Format::default();
+    let columns = if format.is_some() { Columns::AsStated } else { Columns::ByName };
+    content(&input::read(file, "log")?, file, format.unwrap_or(&default), columns)
+}
+
+/// The log that a file of Ballbar 20 is, by a format.
+pub fn log_of(found: &BallbarFile, file: &Path, format: &Format) -> Result<Log> {
+    check_format(format)?;
+    ballbar_log::as_log(found, file, format)
+}
+
+fn as_log(content: Content, file: &Path, format: &Format) -> Result<Log> {
+    let Table { log, turns, layout } = match content {
+        Content::Ballbar(found) => return log_of(&found, file, format),
+        Content::Table(table) => *table,
+    };
+    if !matches!(layout.format.time, TimeColumn::Angle { .. }) {
+        return Ok(log);
+    }
+    let plane = format.plane.ok_or_else(|| {
+        Error::input("a log by angle does not say its plane")
+            .at(Place::file(file))
+            .hint("write `plane = \"xy\"` (or `yz`, `zx`) under `[log]` in the test file")
+    })?;
+    Ok(log.with_angles(ByAngle { plane, turns, feed_mm_s: None, nominal_mm: None }))
+}
+
+/// Which columns are read.
+#[derive(Clone, Copy, PartialEq)]
+enum Columns {
+    /// Those of the format.
+    AsStated,
+    /// Those, or else the ones whose names say their units.
+    ByName,
+}
+
+fn content(bytes: &[u8], file: &Path, format: &Format, columns: Columns) -> Result<Content> {
     check_format(format)?;
     let is_sheet = workbook::is_archive(bytes) || workbook::is_compound(bytes);
-    let text = if is_sheet {
-        workbook::as_text(bytes, file, format.sheet.as_deref())?.into()
+    let (text, written) = if is_sheet {
+        let (text, sheet) = workbook::as_text(bytes, file, format.sheet.as_deref())?;
+        (text.into(), Written::Sheet(sheet))
     } else {
-        as_text(bytes, file, format)?
+        let (text, encoding) = as_text(bytes, file, format)?;
+        (text, Written::Text(encoding))
     };
     if b5r::is_xml(&text) {
-        return ballbar_log::as_log(&b5r::parse(&text, file)?, file, format);
+        return Ok(Content::Ballbar(b5r::parse(&text, file)?));
     }
-    let mut lines = lines(&text).skip(format.skip_lines);
+    let lines = || lines(&text).skip(format.skip_lines);
+    let by_name = match columns {
+        Columns::ByName => by_name(lines(), format),
+        Columns::AsStated => None,
+    };
+    let format = by_name.as_ref().unwrap_or(format);
+    let mut lines = lines();
     let header = find_header(file, &mut lines, format)?;
-    let Rows { readings, angles_deg, no_readings, began } =
-        Table::new(file, header, format, is_sheet)?.rows(lines)?;
+    let table = table::Table::new(file, header, format, is_sheet)?;
+    let Rows { readings, angles_deg, no_readings, began, of_day } = table.rows(lines)?;
     let noted = |(word, count): (String, usize)| {
         format!("{count} reading(s) are `{word}` and count as out of range")
     };
@@ -69,35 +118,22 @@ fn read_plain(bytes: &[u8], file: &Path, format: &Format) -> Result<Log> {
             ),
         );
     }
-    let log = Log::new(file, readings, notes).begun(began);
-    if !matches!(format.time, TimeColumn::Angle { .. }) {
-        return Ok(log);
-    }
-    match (by_angle::turns(&angles_deg), format.plane) {
-        (Some(turns), Some(plane)) => {
-            Ok(log.with_angles(ByAngle { plane, turns, feed_mm_s: None, nominal_mm: None }))
-        }
-        (None, _) => unusable(
+    let Some(turns) = by_angle::turns(&angles_deg) else {
+        return unusable(
             "two readings that follow each other have the same angle".to_owned(),
             "a log by angle has one line for each angle; one with times is better".to_owned(),
-        ),
-        (_, None) => unusable(
-            "a log by angle does not say its plane".to_owned(),
-            "write `plane = \"xy\"` (or `yz`, `zx`) under `[log]` in the test file".to_owned(),
-        ),
-    }
-}
-
-/// Reads what is in a file of Ballbar 20.
-pub fn read_ballbar_file(file: &Path) -> Result<BallbarFile> {
-    let bytes = input::read(file, "file")?;
-    let text = as_text(&bytes, file, &Format::default())?;
-    if !b5r::is_xml(&text) {
-        return Err(Error::input("the file is no XML, so it is no .b5r of Ballbar 20")
-            .at(Place::file(file))
-            .hint("logs of other kinds are read with a test file: `ballbar analyse test.toml`"));
-    }
-    b5r::parse(&text, file)
+        );
+    };
+    let layout = Layout {
+        written,
+        header_line: header.line.number,
+        delimiter: header.delimiter,
+        columns: table.names(header.line),
+        of_day,
+        format: format.clone(),
+    };
+    let log = Log::new(file, readings, notes).begun(began);
+    Ok(Content::Table(Box::new(Table { log, turns, layout })))
 }
 
 /// The part of a format that no file can repair.

@@ -88,6 +88,13 @@ impl<'a> Table<'a> {
         })
     }
 
+    /// The names of its columns.
+    pub(super) fn names(&self, header: Line) -> Vec<String> {
+        let mut fields = Vec::new();
+        split(header.text, self.delimiter, &mut fields);
+        fields.into_iter().map(|field| header.text[field].to_owned()).collect()
+    }
+
     /// The readings, and what stood where there was none, each word with how often.
     pub(super) fn rows(&self, lines: impl Iterator<Item = Line<'a>>) -> Result<Rows> {
         let mut readings: Vec<Reading> = Vec::new();
@@ -186,7 +193,8 @@ impl<'a> Table<'a> {
             readings.push(Reading { time_s, deviation_mm, line: line.number });
         }
         let began = day::parse(clock.first_date());
-        Ok(Rows { readings, angles_deg, no_readings, began })
+        let of_day = by_clock == Some(true);
+        Ok(Rows { readings, angles_deg, no_readings, began, of_day })
     }
 
     fn deviation_mm(
@@ -298,6 +306,8 @@ pub(super) struct Rows {
     pub(super) no_readings: Vec<(String, usize)>,
     /// The day of the first, where its time says it.
     pub(super) began: Option<Date>,
+    /// Whether its times are times of day.
+    pub(super) of_day: bool,
 }
 
 /// Words are short.

@@ -37,8 +37,8 @@ pub(super) fn is_compound(bytes: &[u8]) -> bool {
     bytes.starts_with(&[0xD0, 0xCF, 0x11, 0xE0, 0xA1, 0xB1, 0x1A, 0xE1])
 }
 
-/// The rows of the named sheet, or of the only one that holds something, as lines with tabs between the cells.
-pub(super) fn as_text(bytes: &[u8], file: &Path, sheet: Option<&str>) -> Result<String> {
+/// The rows of the named sheet, or of the only one that holds something, as lines with tabs between the cells; with its name.
+pub(super) fn as_text(bytes: &[u8], file: &Path, sheet: Option<&str>) -> Result<(String, String)> {
     let refused = |what: String, hint: String| Error::input(what).at(Place::file(file)).hint(hint);
     let unreadable = |error: XlsxError| {
         refused(format!("the workbook cannot be read: {error}"), EXPORT.to_owned())
@@ -88,12 +88,13 @@ pub(super) fn as_text(bytes: &[u8], file: &Path, sheet: Option<&str>) -> Result<
             }
         }
     };
-    rows(&mut workbook, &name).map_err(|fault| match fault {
+    let text = rows(&mut workbook, &name).map_err(|fault| match fault {
         Fault::Xlsx(error) => unreadable(error),
         Fault::Other(what, hint) => {
             refused(format!("sheet {}: {what}", quote(&name)), hint.to_owned())
         }
-    })
+    })?;
+    Ok((text, name))
 }
 
 fn is_filled(workbook: &mut Workbook, name: &str) -> std::result::Result<bool, XlsxError> {

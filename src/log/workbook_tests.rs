@@ -231,3 +231,16 @@ fn what_unpacks_too_large_is_not_unpacked() {
     assert!(bytes.len() < 1 << 20);
     assert!(refused(&bytes).what.contains("unpacks to more than 64 MiB"));
 }
+
+#[test]
+fn a_workbook_is_looked_into_without_a_test() {
+    let rows = "<row r=\"3\"><c r=\"A3\" t=\"inlineStr\"><is><t>Time (ms)</t></is></c><c r=\"B3\" t=\"inlineStr\"><is><t>Reading (mm)</t></is></c></row>\
+        <row r=\"4\"><c r=\"A4\"><v>0</v></c><c r=\"B4\"><v>0.5</v></c></row><row r=\"5\"><c r=\"A5\"><v>40</v></c><c r=\"B5\"><v>-0.25</v></c></row>";
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("run.xlsx");
+    std::fs::write(&file, workbook(&[("Run 1", rows)])).unwrap();
+    let Content::Table(table) = look_into(&file, None).unwrap() else { panic!("no table") };
+    assert_eq!(table.layout.written, Written::Sheet("Run 1".into()));
+    assert_eq!((table.layout.header_line, table.log.sample_period_s()), (3, 0.04));
+    assert_eq!(table.log.readings()[1].deviation_mm, Some(-0.25));
+}

@@ -153,3 +153,61 @@ fn a_file_of_ballbar_20_tells_what_the_log_by_time_tells() {
         assert!(outcome.stderr().contains(told), "{}", outcome.stderr());
     }
 }
+
+#[test]
+fn any_log_is_shown_before_there_is_a_test() {
+    let work = Work::new();
+    let mut german = String::from("Ball-bar\r\nZeit [s];Temperatur;Abweichung [\u{b5}m]\r\n");
+    for sample in 0..200 {
+        // A second is lost behind line 102; ten readings have no number.
+        let time = f64::from(sample) * 0.04 + if sample < 100 { 0.0 } else { 1.0 };
+        let reading = if sample < 10 { "OVER".to_owned() } else { format!("{},5", sample - 100) };
+        write!(german, "{};20,1;{reading}\r\n", format!("{time:.2}").replace('.', ",")).unwrap();
+    }
+    let windows: Vec<u8> =
+        german.chars().map(|c| u8::try_from(u32::from(c)).unwrap_or(b'?')).collect();
+    work.write("german.csv", &windows);
+    let shown = work.ballbar(&["show", "german.csv"]).done().stdout();
+    for told in [
+        "text in windows-1252, columns named in line 2, apart by semicolons",
+        "`Zeit [s]`, s",
+        "`Abweichung [\u{b5}m]`, deviations in um",
+        "not read        `Temperatur`",
+        "200 in 8.960 s, 25.0000 a second",
+        "1, the longest of 1.040 s behind line 102",
+        "190 samples in 2 stretches, -90.50 to 99.50 um; 10 out of range",
+        "10 reading(s) are `OVER`",
+        "time_column = \"Zeit [s]\"",
+        "reading_column = \"Abweichung [\u{b5}m]\"",
+    ] {
+        assert!(shown.contains(told), "{told}\n{shown}");
+    }
+    // With a test file its columns count, and nothing is left to write.
+    work.machine("name", "name")
+        .test("[log]\ntime_column = \"Zeit [s]\"\nreading_column = \"Temperatur\"\n");
+    let shown = work.ballbar(&["show", "german.csv", "--test", "test.toml"]).done().stdout();
+    assert!(shown.contains("20.10 to 20.10 um") && !shown.contains("in a test file"), "{shown}");
+
+    let mut angles = String::from("angle_deg,deviation_mm\n");
+    for step in 0..=720_i32 {
+        let degrees = 360 - (step - 360).abs();
+        // Cut off at 1.2 mm for 41 readings of each way.
+        writeln!(angles, "{degrees},{:.4}", (f64::from((degrees - 180).abs()) / 100.0).min(1.2))
+            .unwrap();
+    }
+    work.write("angles.csv", angles);
+    let shown = work.ballbar(&["show", "--json", "angles.csv"]).done().stdout();
+    let shown: serde_json::Value = serde_json::from_str(&shown).unwrap();
+    let file = &shown["files"][0];
+    assert_eq!(shown["format"], "ballbar.show/1");
+    assert_eq!(file["time"]["angle_column"], "angle_deg");
+    assert_eq!(
+        (&file["arcs"][0]["direction"], &file["arcs"][1]["direction"]),
+        (&"CCW".into(), &"CW".into())
+    );
+    assert_eq!((&file["span_s"], &file["samples"]), (&serde_json::Value::Null, &721.into()));
+    assert_eq!(file["cut_off"][0]["at_um"], 1200.0);
+    assert!(
+        work.ballbar(&["show", "angles.csv"]).done().stdout().contains("the plane is not said")
+    );
+}
