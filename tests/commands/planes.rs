@@ -1,6 +1,6 @@
 //! The test that every user of a ball-bar knows, through every command, in the words that he knows.
 
-use crate::work::{Work, project};
+use crate::work::{Work, data, project};
 
 const PLAN: &str =
     "[plan]\nstrategy = \"iso230-4\"\nfeed_mm_min = [1000.0, 2000.0]\nchord_sag_um = 1.0\n";
@@ -77,6 +77,19 @@ fn what_cannot_be_a_plane_is_refused_with_its_line() {
         assert!(message.contains(told), "{message}");
         assert!(message.contains(&format!("test.toml:{line}:")), "{line}: {message}");
     }
+}
+
+/// The test file of this set says 3d6, and its programs drive one circle.
+#[test]
+fn what_was_driven_is_told_and_not_what_was_planned() {
+    let work = Work::new();
+    let test = data("planar250").join("test.toml");
+    let told = work.ballbar(&["identify", test.to_str().unwrap()]).done().stdout();
+    assert!(told.contains(", XY plane,") && !told.contains("3d6"), "{told}");
+    let analysis = std::fs::read_to_string(work.path("results/analysis.json")).unwrap();
+    let analysis: serde_json::Value = serde_json::from_str(&analysis).unwrap();
+    assert_eq!(analysis["strategy"], serde_json::Value::Null);
+    assert_eq!(analysis["driven"], serde_json::json!(["XY plane"]));
 }
 
 /// A ball that stands so far off that the bar still reads where it is retracted.

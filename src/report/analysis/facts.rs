@@ -28,8 +28,10 @@ pub struct Analysis {
     pub machine: MachineFacts,
     /// With what.
     pub ball_bar: BallBarFacts,
-    /// Name of the strategy; `None` where the test file has no plan.
+    /// Name of the strategy; `None` where the test file has none, or the programs are not of it.
     pub strategy: Option<String>,
+    /// The circles that the programs drove, each once.
+    pub driven: Vec<String>,
     /// The terms that were asked for: names of sets, of coefficients and of set-up errors.
     pub terms: Vec<String>,
     /// How far-off samples were weighted: `off`, `huber` or `tukey`.

@@ -9,8 +9,8 @@ use super::machine_errors::MachineErrors;
 use super::run_facts::{
     ArcResult, FeedOverride, MarkResult, PauseResult, RejectedSample, RunResult, SampleCounts,
 };
-use super::{cautions, means, place};
-use crate::align::{Mark, MarkKind, TimeMap};
+use super::{cautions, driven, means, place};
+use crate::align::{Circle, Mark, MarkKind, TimeMap};
 use crate::identify::{self, Campaign, Estimate, Identification, IdentifiedRun, Record};
 use crate::machine::{Axis, Machine, Pivot};
 use crate::model::{HeldEffect, Parameter};
@@ -57,7 +57,8 @@ impl Analysis {
             test: test_facts(test, campaign),
             machine: machine_facts(machine),
             ball_bar: ball_bar_facts(test.ball_bar()),
-            strategy: test.plan().ok().map(|plan| plan.strategy_name().to_owned()),
+            strategy: driven::strategy(test, identifications).map(str::to_owned),
+            driven: driven::circles(identifications).iter().map(Circle::name).collect(),
             terms: test.estimation().terms.clone(),
             loss: test.estimation().loss,
             minimum_norm: test.estimation().minimum_norm,

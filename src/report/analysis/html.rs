@@ -12,7 +12,7 @@ use super::front;
 use super::record;
 use super::shown::Shown;
 use super::tables::{self, CoefficientRow};
-use super::{live, place, run_tables, traces, verdict};
+use super::{driven, live, place, run_tables, traces, verdict};
 use crate::error::{Error, Kind, Result};
 use crate::report::text::filters;
 use crate::report::text::numbers::fixed;
@@ -181,9 +181,10 @@ fn facts(analysis: &Analysis) -> Vec<(&'static str, String)> {
             ),
         ),
     ]);
-    if let Some(strategy) = &analysis.strategy {
-        facts.push(("Strategy", strategy.clone()));
-    }
+    facts.push(match &analysis.strategy {
+        Some(strategy) => ("Strategy", strategy.clone()),
+        None => ("Driven", driven::told(&analysis.driven)),
+    });
     facts.push(("Terms", analysis.terms.join(" ")));
     for mounting in &analysis.test.mountings {
         facts.push(("Mounting", analysis.told(mounting)));

@@ -9,6 +9,7 @@ mod before;
 pub(super) mod cautions;
 mod control;
 mod control_text;
+mod driven;
 pub(super) mod facts;
 mod figures;
 mod front;

@@ -7,7 +7,7 @@ use super::facts::Analysis;
 use super::machine_errors::MachineErrors;
 use super::means::MeanResult;
 use super::run_facts::RunResult;
-use super::{control_text, place, record, verdict};
+use super::{control_text, driven, place, record, verdict};
 use crate::report::text::layout::{paragraph, table};
 use crate::report::text::numbers::{fixed, signed};
 use crate::report::text::units::{engineering, row_decimals};
@@ -74,9 +74,10 @@ fn under_title(analysis: &Analysis) -> String {
         format!("{} ({})", analysis.machine.name, analysis.machine.topology),
         format!("bar {} mm", analysis.bar_lengths()),
     ];
-    if let Some(strategy) = &analysis.strategy {
-        parts.push(format!("strategy {strategy}"));
-    }
+    parts.push(match &analysis.strategy {
+        Some(strategy) => format!("strategy {strategy}"),
+        None => driven::told(&analysis.driven),
+    });
     parts.push(format!("terms {}", analysis.terms.join(" ")));
     let line = parts.join(", ");
     let mut text = String::new();
