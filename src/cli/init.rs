@@ -12,6 +12,7 @@ use super::output::{self, Talk};
 use super::results::Files;
 use crate::error::{Error, Result};
 use crate::machine::{Axis, Builtin, Dialect, Topology};
+use crate::plan::{FEEDS_MM_MIN, LENGTHS_MM};
 use crate::start::{Begun, TestKind, Travel, Wish, Zero};
 
 /// Begin: write a machine file and a test file that can be planned at once
@@ -51,16 +52,16 @@ pub(super) struct Arguments {
     #[arg(long, visible_alias = "dialect", value_name = "DIALECT", value_parser = told(dialect_of))]
     control: Option<Dialect>,
     /// Length of the bar, mm; without it the longest of 150, 100 and 50 that fits
-    #[arg(long, value_name = "MM", value_parser = told(length))]
+    #[arg(long, value_name = "MM", allow_hyphen_values = true, value_parser = told(bar_mm))]
     bar: Option<f64>,
     /// From the spindle nose to the centre of the tool ball, mm
-    #[arg(long, value_name = "MM", value_parser = told(length))]
+    #[arg(long, value_name = "MM", allow_hyphen_values = true, value_parser = told(tool_mm))]
     tool: Option<f64>,
     /// What is driven
     #[arg(long, value_name = "TEST", value_parser = told(TestKind::parse))]
     test: Option<TestKind>,
     /// Feed, mm/min
-    #[arg(long, value_name = "MM_MIN", value_parser = told(length))]
+    #[arg(long, value_name = "MM_MIN", allow_hyphen_values = true, value_parser = told(feed_mm_min))]
     feed: Option<f64>,
     /// Do not ask, also on a terminal
     #[arg(long)]
@@ -106,12 +107,31 @@ fn name_of(text: &str) -> Result<String> {
     Ok(text.to_owned())
 }
 
-/// A number above zero; its bounds are those of the key that it becomes.
-fn length(text: &str) -> Result<f64> {
-    let value = text.parse().ok().filter(|value: &f64| value.is_finite() && *value > 0.0);
+/// No tool sticks out farther, mm; nearer than the lowest there is no room for a ball.
+const TOOLS_MM: [f64; 2] = [1.0, 2000.0];
+
+fn bar_mm(text: &str) -> Result<f64> {
+    within(text, LENGTHS_MM, "the length between the balls in mm, such as 150")
+}
+
+fn tool_mm(text: &str) -> Result<f64> {
+    within(
+        text,
+        TOOLS_MM,
+        "how far the centre of the ball sticks out of the spindle nose in mm, such as 120",
+    )
+}
+
+fn feed_mm_min(text: &str) -> Result<f64> {
+    within(text, FEEDS_MM_MIN, "the feed in mm/min, such as 1000")
+}
+
+/// A number of an option, which says what it is.
+fn within(text: &str, [low, high]: [f64; 2], is: &str) -> Result<f64> {
+    let value = text.trim().parse().ok().filter(|value| (low..=high).contains(value));
     value.ok_or_else(|| {
-        Error::input(format!("`{text}` is not a number above zero"))
-            .hint("write a number, such as 100.0")
+        Error::input(format!("`{text}` is no number from {low} to {high}"))
+            .hint(format!("write {is}"))
     })
 }
 
@@ -212,7 +232,7 @@ impl Arguments {
         wish.dialect = answers.get(("control", &self.control), &question, default, dialect_of)?;
         let question = "From the spindle nose to the centre of the tool ball, mm";
         wish.tool_mm =
-            answers.get(("tool", &self.tool), question, &wish.tool_mm.to_string(), length)?;
+            answers.get(("tool", &self.tool), question, &wish.tool_mm.to_string(), tool_mm)?;
         if let Some(ask) = &mut answers.ask.as_mut().filter(|_| self.test.is_none()) {
             for kind in TestKind::all() {
                 // A terminal that has gone away is told by the question.
@@ -220,11 +240,12 @@ impl Arguments {
             }
         }
         wish.test = answers.get(("test", &self.test), "Test", "xy", TestKind::parse)?;
-        let bar = |text: &str| if text == FITTING { Ok(None) } else { length(text).map(Some) };
+        let bar = |text: &str| if text == FITTING { Ok(None) } else { bar_mm(text).map(Some) };
         wish.bar_mm =
             answers.get(("bar", &self.bar.map(Some)), "Length of the bar, mm", FITTING, bar)?;
         let default = wish.test.usual_feed_mm_min().to_string();
-        wish.feed_mm_min = answers.get(("feed", &self.feed), "Feed, mm/min", &default, length)?;
+        wish.feed_mm_min =
+            answers.get(("feed", &self.feed), "Feed, mm/min", &default, feed_mm_min)?;
         Ok(wish)
     }
 

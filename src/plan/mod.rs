@@ -37,6 +37,8 @@ pub use path::Path;
 pub use planar::{Planar, Planes};
 pub use plane::Plane;
 pub(crate) use raw::CORRELATIONS_S;
+pub(crate) use raw_feeds::FEEDS_MM_MIN;
+pub(crate) use raw_mounting::LENGTHS_MM;
 pub use record::{Record, Warmth};
 pub use step::{Circular, Step};
 pub use strategy::Strategy;

@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::toml_text::Text;
 
 /// Feeds of a test, mm/min: from where a bar barely moves to where none follows.
-const FEEDS_MM_MIN: [f64; 2] = [1.0, 60_000.0];
+pub(crate) const FEEDS_MM_MIN: [f64; 2] = [1.0, 60_000.0];
 /// At more feeds than these nobody drives a test.
 const MOST: usize = 8;
 

@@ -9,7 +9,7 @@ use crate::machine::Mounting;
 use crate::toml_text::Text;
 
 /// Nominal lengths of bars, mm: a tenth of the shortest that is sold, and twice the longest with all its extensions.
-pub(super) const LENGTHS_MM: [f64; 2] = [5.0, 3000.0];
+pub(crate) const LENGTHS_MM: [f64; 2] = [5.0, 3000.0];
 
 /// A bar is longer than what it reads either way.
 pub(super) fn check_length(length_mm: f64, range_mm: f64, place: Place) -> Result<()> {

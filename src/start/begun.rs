@@ -7,8 +7,9 @@ use nalgebra::Vector3;
 use super::machine_file::machine_file;
 use super::place::place_mm;
 use super::test_file::test_file;
+use super::travel::Travel;
 use super::wish::{MACHINE_FILE, Wish};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::machine::Machine;
 use crate::plan::Test;
 
@@ -40,6 +41,19 @@ impl Begun {
     /// A number that is beyond its bounds; a test that does not fit into the travel with the bar that was asked for, or
     /// with any of the usual ones.
     pub fn new(wish: &Wish, folder: &Path) -> Result<Self> {
+        // Nobody has these files yet: what speaks against them is told of the options.
+        Self::checked(wish, folder).map_err(|error| Error {
+            place: None,
+            hint: Some(format!(
+                "nothing was written; the travel is {} (`--travel`, machine coordinates of X, Y and Z in mm): give another one, \
+                 a shorter `--bar`, a lower `--feed`, or a `--test` that needs less",
+                Travel::text(&wish.travel_mm)
+            )),
+            ..error
+        })
+    }
+
+    fn checked(wish: &Wish, folder: &Path) -> Result<Self> {
         let machine_text = machine_file(wish);
         let machine = Machine::parse(&machine_text, &folder.join(Self::MACHINE))?;
         let with = |bar_mm: f64| {

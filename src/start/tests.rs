@@ -79,7 +79,7 @@ fn travels_of_a_small_machine_take_a_short_bar_and_none_too_small_is_begun_with(
     assert!(small.what.contains("of axis"), "{small}");
     let long = Wish { bar_mm: Some(600.0), ..wish.clone() };
     let long = Begun::new(&long, Path::new("")).unwrap_err();
-    assert!(long.hint.unwrap().contains("use a shorter one"));
+    assert!(long.hint.unwrap().contains("a shorter `--bar`"));
     let none = Wish { bar_mm: Some(1.0), ..wish };
     assert!(Begun::new(&none, Path::new("")).unwrap_err().what.contains("`length_mm` must lie"));
 }

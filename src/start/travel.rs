@@ -58,7 +58,9 @@ impl Travel {
         };
         let parts: Vec<&str> = text.split([',', ';']).collect();
         let &[x, y, z] = parts.as_slice() else {
-            return Err(wrong(format!("`{text}` has {} travels instead of three", parts.len())));
+            let count = parts.iter().filter(|part| !part.trim().is_empty()).count();
+            let plural = if count == 1 { "" } else { "s" };
+            return Err(wrong(format!("`{text}` has {count} travel{plural} instead of three")));
         };
         let number = |text: &str| {
             let value: Option<f64> = text.trim().parse().ok();
@@ -130,7 +132,9 @@ mod tests {
             ("762,406,nan", "no coordinate"),
             ("762,406,1e6", "no coordinate"),
             ("..,406,1", "no coordinate"),
-            ("", "1 travels"),
+            ("", "0 travels"),
+            ("1..2", "1 travel instead"),
+            ("1,2,3,4", "4 travels"),
         ] {
             let error = Travel::parse(text).unwrap_err();
             assert!(error.what.contains(told) && error.hint.is_some(), "{text}: {error}");

@@ -109,16 +109,23 @@ fn what_cannot_be_begun_is_refused_with_what_to_write() {
         (&["--travel", "100,200"], 2, "2 travels instead of three"),
         (&["--test", "xz"], 2, "`xy`, `yz`, `zx`, `iso230-4`"),
         (&["--control", "siemens9000"], 2, "`fanuc`, `linuxcnc`"),
-        (&["--bar", "-5"], 2, "unexpected argument"),
-        (&["--feed", "nan"], 2, "number above zero"),
-        (&["--feed", "70000"], 1, "between 1 and 60000"),
-        (&["--bar", "600"], 1, "use a shorter one"),
+        (&["--travel", "1..2"], 2, "1 travel instead of three"),
+        (&["--travel", "1..2,1..2,1..2"], 1, "the travel is 1..2,1..2,1..2 (`--travel`"),
+        (&["--bar", "-5"], 2, "`-5` is no number from 5 to 3000"),
+        (&["--bar", "150mm"], 2, "length between the balls in mm"),
+        (&["--tool", "-120"], 2, "sticks out of the spindle nose"),
+        (&["--tool", "5000"], 2, "from 1 to 2000"),
+        (&["--feed", "nan"], 2, "from 1 to 60000"),
+        (&["--feed", "70000"], 2, "from 1 to 60000"),
+        (&["--feed", "59999"], 1, "a lower `--feed`"),
+        (&["--bar", "600"], 1, "a shorter `--bar`"),
         (&["--zero", "upper", "--travel=-5..5,0..9,0..9"], 1, "`--zero` is for travels"),
         (&["--travel", "120,120,120"], 1, "of axis X"),
     ] {
         let outcome = work.ballbar(&[&["init", "mine"], given].concat());
         assert_eq!(outcome.code(), code, "{given:?}: {}", outcome.stderr());
         assert!(outcome.stderr().contains(told), "{given:?}: {}", outcome.stderr());
+        assert!(!outcome.stderr().contains("-->"), "no such file: {}", outcome.stderr());
         assert!(!work.path("mine").exists(), "nothing half-written");
     }
 }
