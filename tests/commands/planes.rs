@@ -92,6 +92,33 @@ fn what_was_driven_is_told_and_not_what_was_planned() {
     assert_eq!(analysis["driven"], serde_json::json!(["XY plane"]));
 }
 
+/// The bar stays on, and the operator looks between the two ways: by `[plan]`, or with an M00 written into the program.
+#[test]
+fn an_operator_may_stop_between_the_arcs_of_a_plane() {
+    let plan = "[plan]\nstrategy = \"xy\"\nfeed_mm_min = 1000.0\nrelease_between_arcs = false\n";
+    for (more, stops) in [("stop_between_arcs = true\n", "6 stop(s)"), ("", "5 stop(s)")] {
+        let work = bench("vertical.toml", "[20.0, -35.0, -300.0]", &format!("{plan}{more}"));
+        work.ballbar(&["program", "test.toml"]).done();
+        let mut program = std::fs::read_to_string(work.path("results/O1001.nc")).unwrap();
+        if more.is_empty() {
+            let (before, after) = program.split_once("(XY CW OVERSHOOT)").unwrap();
+            program = format!("{before}M00\n(XY CW OVERSHOOT){after}");
+        }
+        let test = std::fs::read_to_string(work.path("test.toml")).unwrap();
+        work.write("mine.nc", program).write(
+            "mine.toml",
+            format!("{test}\n[[run]]\nprogram = \"mine.nc\"\nlog = \"none.csv\"\n"),
+        );
+        let check = work.ballbar(&["check", "mine.nc", "--test", "mine.toml"]).done();
+        assert!(check.stderr().contains("0 error(s)"), "{}", check.stderr());
+        let time = work.ballbar(&["time", "mine.nc", "--test", "mine.toml"]).done().stdout();
+        assert!(time.contains(stops), "{time}");
+        work.ballbar(&["simulate", "mine.toml"]).done();
+        let told = work.ballbar(&["analyse", "results/test.toml"]).done().stdout();
+        assert!(told.contains("XY plane F1000"), "{told}");
+    }
+}
+
 /// A ball that stands so far off that the bar still reads where it is retracted.
 #[test]
 fn a_ball_that_stands_nearly_a_millimetre_off() {
