@@ -47,7 +47,7 @@ fn eight_mountings(bencher: divan::Bencher) {
     assert!(designer.candidates()[1] > 8 * 200, "{:?}", designer.candidates());
     bencher.bench(|| {
         let designer = Designer::new(&test, &machine, None).unwrap();
-        designer.propose().unwrap().text.len()
+        designer.propose(&|| ()).unwrap().text.len()
     });
 }
 

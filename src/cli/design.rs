@@ -36,9 +36,12 @@ impl Arguments {
         let machine = test.machine()?;
         let measured = self.given.as_deref().map(Measured::read).transpose()?;
         talk.reads(test.files().iter().chain(&self.given));
-        let progress = talk.spinner("designing");
+        // What there is to choose from, the choices, and what the test will know.
+        let progress = talk.progress(Designer::CHOICES + 2, "designing");
+        let step = || progress.inc(1);
         let designer = Designer::new(&test, &machine, measured.as_ref())?;
-        let mut proposal = designer.propose()?;
+        step();
+        let mut proposal = designer.propose(&step)?;
         if measured.is_some() {
             proposal.next = designer.next();
         }

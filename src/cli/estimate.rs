@@ -100,9 +100,10 @@ impl Selection {
 impl Identified {
     /// The same with what the model gets wrong.
     pub(super) fn diagnosed(mut self, talk: &Talk) -> Result<Self> {
-        let spinner = talk.spinner("looking for what the model gets wrong");
-        let diagnosis = diagnose::diagnose(&self.test, &self.machine, &self.campaign);
-        talk.ended(&spinner);
+        let progress = talk.progress(diagnose::STEPS, "looking for what the model gets wrong");
+        let step = || progress.inc(1);
+        let diagnosis = diagnose::watched(&self.test, &self.machine, &self.campaign, &step);
+        talk.ended(&progress);
         self.diagnosis = Some(diagnosis?);
         Ok(self)
     }

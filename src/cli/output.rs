@@ -85,12 +85,7 @@ impl Talk {
 
     /// A stage of so many steps: a bar on a terminal.
     pub(super) fn progress(&self, total: usize, what: &'static str) -> Stage {
-        Stage::new(what, Some(total), !self.quiet, self.verbose)
-    }
-
-    /// A stage of unknown length.
-    pub(super) fn spinner(&self, what: &'static str) -> Stage {
-        Stage::new(what, None, !self.quiet, self.verbose)
+        Stage::new(what, total, !self.quiet, self.verbose)
     }
 
     /// Ends a stage, and tells its time to who wants to know.

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// A stage: a bar or a turning mark on a terminal, and with `-v` how long it took.
+/// A stage: a bar on a terminal, and with `-v` how long it took.
 pub(super) struct Stage {
     bar: ProgressBar,
     what: &'static str,
@@ -16,17 +16,14 @@ pub(super) struct Stage {
 }
 
 impl Stage {
-    /// One with so many steps, or of unknown length; `shown` unless the user wants quiet.
-    pub(super) fn new(what: &'static str, total: Option<usize>, shown: bool, told: bool) -> Self {
-        let bar = match total {
-            _ if !shown || !std::io::stderr().is_terminal() => ProgressBar::hidden(),
-            Some(total) => ProgressBar::new(total as u64),
-            None => ProgressBar::new_spinner(),
+    /// One with so many steps; `shown` unless the user wants quiet.
+    pub(super) fn new(what: &'static str, total: usize, shown: bool, told: bool) -> Self {
+        let bar = if shown && std::io::stderr().is_terminal() {
+            ProgressBar::new(total as u64)
+        } else {
+            ProgressBar::hidden()
         };
-        let template = match total {
-            Some(_) => "{msg} [{bar:30}] {pos}/{len} {elapsed}",
-            None => "{spinner} {msg} {elapsed}",
-        };
+        let template = "{msg} [{bar:30}] {pos}/{len} {elapsed}";
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }

@@ -198,17 +198,21 @@ impl<'a> Designer<'a> {
         self.basis.coefficients.len()
     }
 
-    /// The best test that fits into the budget.
+    /// How often [`propose`](Self::propose) says at the most that a choice is made.
+    pub const CHOICES: usize = CORRECTIONS;
+
+    /// The best test that fits into the budget; `step` is called after each choice.
     ///
     /// # Errors
     /// When the budget is shorter than the shortest test.
-    pub fn propose(&self) -> Result<Proposal> {
+    pub fn propose(&self, step: &dyn Fn()) -> Result<Proposal> {
         let budget_s = self.request.budget_s;
         let mut asked_s = budget_s;
         let mut found = self.problem.solve(asked_s);
         let mut best: Option<(Chosen, Vec<ProposedSetUp>, f64, String)> = None;
         let mut least_s = f64::INFINITY;
         for _ in 0..CORRECTIONS {
+            step();
             let Some(chosen) = found.filter(|chosen| !chosen.arcs.is_empty()) else { break };
             let set_ups = ordering::ordered(&chosen, &self.problem.arcs, &self.set_ups, &self.arcs);
             let text = written::test_file(self.test, &set_ups, &self.terms())?;

@@ -63,7 +63,7 @@ fn a_small_volume_uses_the_time_that_there_is() {
     std::fs::write(&file, source(volume)).unwrap();
     let test = Test::read(&file).unwrap();
     let machine = test.machine().unwrap();
-    let proposal = Designer::new(&test, &machine, None).unwrap().propose().unwrap();
+    let proposal = Designer::new(&test, &machine, None).unwrap().propose(&|| ()).unwrap();
     assert!(proposal.total_s > 55.0 * 60.0, "{} s", proposal.total_s);
     assert!(proposal.value[1] < 0.01 * proposal.value[0], "{:?}", proposal.value);
 }

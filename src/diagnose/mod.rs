@@ -49,7 +49,7 @@ pub use crate::residual::{Element, Owner, Structure};
 /// # Errors
 /// When the rows of a fit are not finite numbers.
 pub fn search(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<Searched> {
-    let standing = Standing::of(test, machine, campaign)?;
+    let standing = Standing::of(test, machine, campaign, &|| ())?;
     let (residuals, chosen) = standing.now();
     let findings = findings(&stand::beside(residuals, chosen), chosen);
     let wrong_settings = standing.wrong_settings();
@@ -86,12 +86,28 @@ fn findings(beside: &Beside, chosen: Option<&Chosen>) -> Vec<Finding> {
     .collect()
 }
 
+/// Settings put right, effects searched for, the model extended, its gain, all of it told.
+pub const STEPS: usize = stand::STEPS + 1;
+
 /// Looks for what the model of a campaign gets wrong, extends it and measures the gain.
 ///
 /// # Errors
 /// When the rows of a fit are not finite numbers.
 pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<Diagnosis> {
-    let standing = Standing::of(test, machine, campaign)?;
+    watched(test, machine, campaign, &|| ())
+}
+
+/// The same; `step` is called [`STEPS`] times on the way.
+///
+/// # Errors
+/// When the rows of a fit are not finite numbers.
+pub fn watched(
+    test: &Test,
+    machine: &Machine,
+    campaign: &Campaign,
+    step: &dyn Fn(),
+) -> Result<Diagnosis> {
+    let standing = Standing::of(test, machine, campaign, step)?;
     let (of_test, campaign) = match &standing.corrected {
         Some(now) => (&now.test, &now.campaign),
         None => (test, campaign),
@@ -145,6 +161,7 @@ pub fn diagnose(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<D
     let moved = standing.extended.as_ref().map(|now| moved::moved(campaign, &now.campaign));
     drop(beside);
     let extended = standing.into_model(test, machine);
+    step();
     Ok(Diagnosis { extended, moved: moved.unwrap_or_default(), ..diagnosis })
 }
 

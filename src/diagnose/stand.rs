@@ -16,6 +16,8 @@ use crate::residual::{Beside, Residuals};
 
 /// The extended model is looked at again so often, at most, for effects that are no more or that it uncovers.
 const MOST_LOOKS: usize = 2;
+/// How often [`Standing::of`] says that something is done: the settings, the search, the extended model, the gain.
+pub(super) const STEPS: usize = 4;
 
 /// What of a diagnosis all the rest is told about.
 pub(super) struct Standing {
@@ -32,14 +34,22 @@ pub(super) struct Standing {
 impl Standing {
     /// # Errors
     /// When the rows of a fit are not finite numbers.
-    pub(super) fn of(test: &Test, machine: &Machine, campaign: &Campaign) -> Result<Self> {
+    pub(super) fn of(
+        test: &Test,
+        machine: &Machine,
+        campaign: &Campaign,
+        step: &dyn Fn(),
+    ) -> Result<Self> {
         let (corrected, searched) = settings::corrected(test, machine, campaign)?;
+        step();
         let (test, machine, campaign) = match &corrected {
             Some(now) => (&now.test, &now.machine, &now.campaign),
             None => (test, machine, campaign),
         };
         let mut chosen = run::chosen(&searched, campaign);
+        step();
         let mut looks = 0;
+        let mut settled = false;
         loop {
             let extended = match &chosen {
                 Some(chosen) => extend::extend(test, machine, campaign, chosen)?,
@@ -63,6 +73,10 @@ impl Standing {
                 chosen = other;
                 continue;
             }
+            // What a run that took no part speaks against is taken out, and all is extended again: one step.
+            if !std::mem::replace(&mut settled, true) {
+                step();
+            }
             let (residuals, now) = now(&searched, extended.as_ref());
             let beside = beside(residuals, now);
             let fitted = now.map(|chosen| &chosen.fitted);
@@ -74,6 +88,7 @@ impl Standing {
                 if let Some(Extended { campaign, residuals, chosen }) = &mut extended {
                     costs::count(campaign, residuals, &chosen.fitted, long_run_mm2);
                 }
+                step();
                 return Ok(Self { corrected, searched, extended, gains });
             };
             chosen = now.without(harmful, &searched.alone());
