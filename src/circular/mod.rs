@@ -16,7 +16,8 @@
 //! | D, mean bi-directional radial deviation | radius of the least-squares circle of both ways minus `R`; of whole circles only |
 //! | H, circular hysteresis | largest difference of the two ways at one angle, as ISO 230-4:1996 had it |
 //!
-//! F and D need a bar whose length is known: their uncertainty is that of `length_sigma_um`. On a part of a circle centre and radius hang
+//! The uncertainty of each has its noise and the scale of the transducer (`scale_sigma_percent` of the value: what the bar reads of a centre
+//! beside its own is taken off with the same scale). F and D need a bar whose length is known besides: `length_sigma_um`. On a part of a circle centre and radius hang
 //! together, so that neither F nor D is told, and G is what the centre has left of it: the condition number says how much.
 //!
 //! **Noise widens.** A range is never too small by noise. What noise does to every value is seen on what the fit computes for

@@ -33,6 +33,8 @@ pub struct BallBar {
     pub clock_tolerance: f64,
     /// Standard uncertainty of its length, mm; `None` where nothing is stated.
     pub length_sigma_mm: Option<f64>,
+    /// Standard uncertainty of the scale of its transducer, as a share of what it reads.
+    pub scale_sigma: f64,
 }
 
 /// A mounting and its name.

@@ -52,6 +52,7 @@ pub(super) struct RawBallBar {
     correlation_s: Option<Spanned<f64>>,
     clock_ppm: Option<Spanned<f64>>,
     length_sigma_um: Option<Spanned<f64>>,
+    scale_sigma_percent: Option<Spanned<f64>>,
 }
 
 /// How far a bar reads either way, mm: no log with more is read.
@@ -66,6 +67,11 @@ pub(crate) const CORRELATIONS_S: [f64; 2] = [1e-4, 1e5];
 const CLOCKS_PPM: [f64; 2] = [1e-3, 1e4];
 /// How well the length of a bar is known, um: from better than any calibration to a bar that nobody measured.
 const LENGTH_SIGMAS_UM: [f64; 2] = [0.01, 1e3];
+/// How well the scale of a bar is known, percent: 0 leaves it out, beyond 10 it was never calibrated.
+const SCALE_SIGMAS_PERCENT: [f64; 2] = [0.0, 10.0];
+/// Of a bar whose maker states 0.3 % of what is read beside a constant part, as is known of the QC20-W: 0.3 % / sqrt(3),
+/// rounded up.
+const SCALE_SIGMA_PERCENT: f64 = 0.2;
 
 impl RawBallBar {
     pub(super) fn check(self, log: &RawLog, text: &Text<'_>) -> Result<BallBar> {
@@ -96,6 +102,13 @@ impl RawBallBar {
                     Some(text.within(given, "length_sigma_um", low, high)? * 1e-3)
                 }
             },
+            scale_sigma: 1e-2
+                * or(
+                    self.scale_sigma_percent,
+                    "scale_sigma_percent",
+                    SCALE_SIGMA_PERCENT,
+                    SCALE_SIGMAS_PERCENT,
+                )?,
             clock_tolerance: or(self.clock_ppm, "clock_ppm", 100.0, CLOCKS_PPM)? * 1e-6,
         })
     }

@@ -50,6 +50,7 @@ fn bench() -> Bench {
         sample_rate_hz: 10.0,
         clock_tolerance: 1e-4,
         length_sigma_mm: None,
+        scale_sigma: 0.002,
     };
     Bench { machine, mounting, program, bar }
 }

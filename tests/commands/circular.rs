@@ -108,10 +108,24 @@ fn a_scale_alone_is_an_ellipse_and_a_larger_circle() {
     // With a length that is known to 1 um it is: 15 + 2 keeps 20.
     let test = std::fs::read_to_string(work.path("results/test.toml")).unwrap();
     let known = test.replace("length_mm = 150.0", "length_mm = 150.0\nlength_sigma_um = 1.0");
-    work.write("results/test.toml", known);
+    work.write("results/test.toml", &known);
     let told = work.ballbar(&["analyse", "results/test.toml"]).done().stdout();
     assert!(told.contains("\nTolerances: pass\n"), "{told}");
     assert!(told.contains("+- 2.0"), "{told}");
+    // A transducer whose scale is known to a tenth: so are all values, beside noise and length.
+    let vague =
+        known.replace("length_sigma_um = 1.0", "length_sigma_um = 1.0\nscale_sigma_percent = 10.0");
+    work.write("results/test.toml", vague);
+    let json = work.ballbar(&["identify", "results/test.toml", "--json"]).done().stdout();
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let xy = &json["circular"]["tests"][0];
+    for (name, expected_um) in [
+        ("bidirectional_circular_deviation", 1.5),
+        ("mean_bidirectional_radial_deviation", 0.75_f64.hypot(1.0)),
+    ] {
+        let sigma_um = xy[name]["sigma_um"].as_f64().unwrap();
+        assert!((sigma_um / expected_um - 1.0).abs() < 0.05, "{name}: {sigma_um}");
+    }
 }
 
 #[test]

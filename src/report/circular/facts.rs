@@ -86,7 +86,8 @@ pub struct CircularValue {
     pub noise_um: f64,
     /// By how much noise makes it larger on average, um; it is not taken off.
     pub widened_um: f64,
-    /// Standard uncertainty, um: noise, and of F and D the length of the bar; `None` where that is not stated.
+    /// Standard uncertainty, um: noise, the scale of the transducer, and of F and D the length of the bar; `None` where that
+    /// is not stated.
     pub sigma_um: Option<f64>,
 }
 

@@ -35,9 +35,10 @@ impl CircularFacts {
 pub(in crate::report) fn result(test: &Test, repeat: u32, of: &CircularTest) -> CircularResult {
     let mounting = test.mountings().get(of.mounting);
     let length_um = test.ball_bar().length_sigma_mm.map(|sigma_mm| sigma_mm * 1e3);
+    let scale = test.ball_bar().scale_sigma;
     // A range does not know the length of the bar.
-    let range = |found: Found| value(found, Some(0.0));
-    let length = |found: Found| value(found, length_um);
+    let range = |found: Found| value(found, scale, Some(0.0));
+    let length = |found: Found| value(found, scale, length_um);
     let ways = of.ways.iter().map(|way| WayResult {
         direction: way.direction,
         run: way.run.clone(),
@@ -75,13 +76,15 @@ pub(in crate::report) fn result(test: &Test, repeat: u32, of: &CircularTest) -> 
     }
 }
 
-fn value(found: Found, length_um: Option<f64>) -> CircularValue {
+/// With a wrong scale of the transducer every deviation from a circle is larger by the same share, and so are these values.
+fn value(found: Found, scale: f64, length_um: Option<f64>) -> CircularValue {
     let noise_um = found.noise_mm * 1e3;
     CircularValue {
         value_um: found.value_mm * 1e3 + 0.0,
         noise_um,
         widened_um: found.widened_mm * 1e3 + 0.0,
-        sigma_um: length_um.map(|length_um| noise_um.hypot(length_um)),
+        sigma_um: length_um
+            .map(|length_um| noise_um.hypot(length_um).hypot(scale * found.value_mm * 1e3)),
     }
 }
 

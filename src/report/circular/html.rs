@@ -142,7 +142,10 @@ fn none() -> String {
 }
 
 fn with_sigma(of: Option<CircularValue>) -> String {
-    of.map_or_else(none, |of| format!("{} ± {}", fixed(of.value_um, 2), fixed(of.noise_um, 2)))
+    of.map_or_else(none, |of| {
+        let sigma_um = of.sigma_um.unwrap_or(of.noise_um);
+        format!("{} ± {}", fixed(of.value_um, 2), fixed(sigma_um, 2))
+    })
 }
 
 fn radial(of: Option<CircularValue>) -> String {

@@ -90,7 +90,7 @@ pub(super) fn sentences(facts: &CircularFacts) -> Vec<String> {
     let mut told = vec![
         format!("Diameter {} mm. Filter: {}.", diameters.join(", "), filters.join("; ")),
         format!(
-            "Noise: G and G(b) scatter by {} um and are larger by up to {} um than without it, which is not taken off; the scale of the transducer is not in it.",
+            "Noise: G and G(b) scatter by {} um and are larger by up to {} um than without it, which is not taken off.",
             fixed(noise_um, 2),
             fixed(widened_um, 2)
         ),
