@@ -154,7 +154,7 @@ const tell = (event, text) => {
 };
 const inside = (svg, event) => new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
 const ask = (svg, nearest, words) => {
-  const dot = svg.querySelector(".curves").cloneNode(false);
+  const dot = document.createElementNS(svg.namespaceURI, "g");
   dot.setAttribute("class", "asked");
   svg.append(dot);
   const hide = () => { tip.hidden = true; dot.innerHTML = ""; };
@@ -184,6 +184,23 @@ for (const { svg, circle, at } of polars)
     return `${circle.name}, ${data.runs[curve.n]}, ${ways[curve.way]}\n${where(circle, curve.a[k])}\n`
       + `read ${signed(read, 2)} µm, predicted ${signed(foretold, 2)}, left ${signed(read - foretold, 2)}`;
   });
+
+// A chart with straight axes tells the nearest point of its lines and dots.
+for (const svg of all("svg[data-chart]")) {
+  const [left, right, bottom, top, ...ends] = svg.dataset.chart.split(" ").map(Number);
+  const axes = all("text.axis", svg).map(text => text.textContent.split(/, (?=[^,]*$)/));
+  const words = (axis, share) => {
+    const [low, high] = ends.slice(2 * axis);
+    const places = Math.max(0, Math.ceil(2.5 - Math.log10(high - low)));
+    return `${axes[axis][0]} ${number(low + share * (high - low), places)} ${axes[axis][1] || ""}`;
+  };
+  let points;
+  ask(svg, to => closest(points ||= all("polyline,.dots", svg).flatMap(curve =>
+    (curve.getAttribute("points") || curve.getAttribute("d")).match(/[\d.]+[ ,][\d.]+/g)
+      .map(pair => pair.split(/[ ,]/).map(Number)).map(([x, y]) => [x, y, curve.classList, x, y])), to, 25), (names, x, y) =>
+    [words(0, (x - left) / (right - left)), words(1, (y - bottom) / (top - bottom)),
+      ...["before", ...ways].filter((_, k) => names.contains(["before", "forward", "backward"][k]))].join("\n"));
+}
 
 // The sphere of what is left: turned by the pointer or the arrow keys.
 for (const svg of all("svg[data-sphere]")) {

@@ -95,6 +95,15 @@ addEventListener("load", () => {
   };
   const [px, py] = printed[0][0].split(" ")[9].split(",").map(Number);
   answer.told = ask(svg, px / svg.viewBox.baseVal.width, py / svg.viewBox.baseVal.height);
+  // A point of a line whose value is known: where the pointer is there the tip says it.
+  const chart = [...document.querySelectorAll("svg[data-chart]")].find(svg =>
+    svg.querySelector("polyline") && /^residual/.test(svg.querySelectorAll("text.axis")[1].textContent));
+  chart.closest("details").open = true;
+  const [x, y] = chart.querySelector("polyline").getAttribute("points").split(" ")[3].split(",").map(Number);
+  const [left, right, bottom, top, low, high, least, most] = chart.dataset.chart.split(" ").map(Number);
+  answer.on_axes = [low + (x - left) / (right - left) * (high - low), least + (y - bottom) / (top - bottom) * (most - least)];
+  answer.of_chart = ask(chart, x / chart.viewBox.baseVal.width, y / chart.viewBox.baseVal.height);
+  chart.closest("details").open = false;
   location.hash = "#residuals";
   const ball = document.querySelector(".sphere svg");
   if (ball) {
@@ -209,6 +218,14 @@ fn check_script(chromium: &Path, report: &Path, causes: bool) {
     assert_ne!(answer["turned"], false, "{name}: {answer:#}");
     let told = answer["told"].as_str().unwrap();
     assert!(told.contains("°: X ") && told.contains("read "), "{told}");
+    // The residual charts tell a point as their axes have it.
+    let told = answer["of_chart"].as_str().unwrap().replace('\u{2212}', "-");
+    for (line, expected) in told.lines().zip(answer["on_axes"].as_array().unwrap()) {
+        // Such as `velocity of X, along X -16.4 mm/s`.
+        let value: f64 = line.rsplit(' ').nth(1).unwrap().parse().unwrap();
+        let expected = expected.as_f64().unwrap();
+        assert!((value - expected).abs() <= 0.01 * expected.abs().max(1.0), "{told}: {expected}");
+    }
     assert_eq!(answer["causes"].as_u64().unwrap() > 0, causes, "{answer:#}");
     if causes {
         let repaired = answer["repaired"].as_str().unwrap();

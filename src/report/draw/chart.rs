@@ -83,6 +83,11 @@ impl Chart {
         }
         if numbers == Bottom::Numbers {
             chart.x_ticks();
+            // Where its field is and what it spans, so that a script can tell a point.
+            let Axis { low: x_low, high: x_high, .. } = chart.x;
+            let Axis { low: y_low, high: y_high, .. } = chart.y;
+            let field = [left, right, bottom, top, x_low, x_high, y_low, y_high];
+            chart.drawing.attribute("chart", &field.map(|value| format!("{value}")).join(" "));
         }
         let middle = 0.5 * (top + bottom);
         let y_label = chart.y.label.clone();
