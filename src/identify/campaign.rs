@@ -309,7 +309,7 @@ impl Campaign {
         })
     }
 
-    fn logs(&self) -> impl Iterator<Item = &Log> {
+    pub(super) fn logs(&self) -> impl Iterator<Item = &Log> {
         let runs = self.measured.iter().flat_map(|repeat| &repeat.runs);
         runs.filter_map(|run| Some(&run.as_ref().ok()?.log))
     }

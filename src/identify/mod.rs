@@ -41,6 +41,7 @@ mod repeats;
 mod residuals;
 mod result;
 mod rows;
+mod said;
 mod selection;
 mod settle;
 mod slip;

@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use super::b5r::{BallbarFile, BarRun};
-use super::by_angle::{Angles, ByAngle, Turn, circularity};
+use super::by_angle::{Angles, ByAngle, Said, Turn, circularity};
 use super::day;
 use super::reading::{Log, Reading};
 use crate::error::{Error, Place, Result};
@@ -113,9 +113,20 @@ pub(super) fn as_log(found: &BallbarFile, file: &Path, format: &Format) -> Resul
         turns,
         feed_mm_s: found.feed_mm_min.map(|feed| feed / 60.0),
         nominal_mm: found.nominal_length_mm,
+        said: Said {
+            operator: short(found.operator.as_ref()),
+            bar_serial: short(found.serial.as_ref()),
+            bar_calibrated: found.calibrated.as_deref().and_then(|of| day::parse(of.get(..8)?)),
+        },
     };
     let began = found.started.as_deref().and_then(|started| day::parse(started.get(..8)?));
     Ok(Log::new(file, readings, notes).begun(began).with_angles(by_angle))
+}
+
+/// What is no longer than a name; a page is no place for more.
+fn short(words: Option<&String>) -> Option<String> {
+    const LONGEST: usize = 100;
+    words.filter(|words| words.len() <= LONGEST).cloned()
 }
 
 /// The unit of the readings: that in which they are as round as the file says, else the one that makes them readings of a bar.

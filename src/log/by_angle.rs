@@ -3,6 +3,8 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
+use jiff::civil::Date;
+
 use crate::error::Result;
 use crate::solve::{Truncation, Tsqr, solve};
 
@@ -17,6 +19,19 @@ pub struct ByAngle {
     pub feed_mm_s: Option<f64>,
     /// Nominal length of the bar, mm, where the log says it.
     pub nominal_mm: Option<f64>,
+    /// Who measured, and with what.
+    pub said: Said,
+}
+
+/// What a file of Ballbar 20 says of the day, each where it does.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Said {
+    /// Who ran it.
+    pub operator: Option<String>,
+    /// Serial number of the bar.
+    pub bar_serial: Option<String>,
+    /// When the bar was calibrated last.
+    pub bar_calibrated: Option<Date>,
 }
 
 /// An arc that was driven once in one direction.

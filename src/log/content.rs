@@ -9,7 +9,7 @@ use crate::plan::log_format::{Delimiter, Format};
 #[derive(Debug, Clone, PartialEq)]
 pub enum Content {
     /// A file of Ballbar 20, as it is written.
-    Ballbar(BallbarFile),
+    Ballbar(Box<BallbarFile>),
     /// A table of readings.
     Table(Box<Table>),
 }

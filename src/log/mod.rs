@@ -51,7 +51,7 @@ pub use crate::plan::log_format::{
     TextEncoding, TimeColumn, TimeUnit,
 };
 pub use b5r::{BallbarFile, BarRun, Feature};
-pub use by_angle::{Angles, ByAngle, Turn};
+pub use by_angle::{Angles, ByAngle, Said, Turn};
 pub use content::{Content, Layout, Table, Written};
 pub use read::{log_of, look_into, read, read_bytes};
 pub use reading::{Log, Reading};

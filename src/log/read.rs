@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::b5r::{self, BallbarFile};
 use super::ballbar_log;
-use super::by_angle::{self, ByAngle};
+use super::by_angle::{self, ByAngle, Said};
 use super::columns::{CHOOSE_COLUMNS, by_name, find_header, same_name};
 use super::content::{Content, Layout, Table, Written};
 use super::encoding::as_text;
@@ -57,7 +57,8 @@ fn as_log(content: Content, file: &Path, format: &Format) -> Result<Log> {
             .at(Place::file(file))
             .hint("write `plane = \"xy\"` (or `yz`, `zx`) under `[log]` in the test file")
     })?;
-    Ok(log.with_angles(ByAngle { plane, turns, feed_mm_s: None, nominal_mm: None }))
+    let said = Said::default();
+    Ok(log.with_angles(ByAngle { plane, turns, feed_mm_s: None, nominal_mm: None, said }))
 }
 
 /// Which columns are read.
@@ -80,7 +81,7 @@ fn content(bytes: &[u8], file: &Path, format: &Format, columns: Columns) -> Resu
         (text, Written::Text(encoding))
     };
     if b5r::is_xml(&text) {
-        return Ok(Content::Ballbar(b5r::parse(&text, file)?));
+        return Ok(Content::Ballbar(Box::new(b5r::parse(&text, file)?)));
     }
     let lines = || lines(&text).skip(format.skip_lines);
     let by_name = match columns {

@@ -62,7 +62,7 @@ fn ballbar_file(samples: &str, arc_deg: f64) -> String {
     let rows = samples.lines().skip(1).map(|line| line.split(',').collect::<Vec<_>>());
     let rows: Vec<Vec<&str>> = rows.filter(|row| row[place] == "arc").collect();
     let mut text = String::from(
-        "<TEST><TEST_SPEC NAME=\"XY 340 grad\"/><PROGRAMMED_FEEDRATE>1000</PROGRAMMED_FEEDRATE><PLANE TEST_PLANE=\"XY\"/><NOMINAL_LENGTH>150</NOMINAL_LENGTH><OPERATOR>Meier</OPERATOR>",
+        "<TEST><TEST_SPEC NAME=\"XY 340 grad\"/><PROGRAMMED_FEEDRATE>1000</PROGRAMMED_FEEDRATE><PLANE TEST_PLANE=\"XY\"/><NOMINAL_LENGTH>150</NOMINAL_LENGTH><OPERATOR>Meier</OPERATOR><SERIAL_NUMBER>0AF3</SERIAL_NUMBER><LAST_CALIBRATED>20260301</LAST_CALIBRATED>",
     );
     for driven in rows.chunk_by(|a, b| a[arc] == b[arc]) {
         let mut points: Vec<[f64; 2]> =
@@ -107,7 +107,7 @@ fn a_file_of_ballbar_20_tells_what_the_log_by_time_tells() {
     let samples = std::fs::read_to_string(work.path("results/samples-run1.csv")).unwrap();
     work.write("results/run1.b5r", ballbar_file(&samples, 340.0));
     let test = std::fs::read_to_string(work.path("results/test.toml")).unwrap();
-    let record = "[record]\ndate = 2026-11-23\noperator = \"Meier\"\nmachine_temperature_c = 25.0\nmachine_expansion_um_m_k = 10.0\n";
+    let record = "[record]\ndate = 2026-11-23\noperator = \"Huber\"\nmachine_temperature_c = 25.0\nmachine_expansion_um_m_k = 10.0\n";
     work.write(
         "results/by-angle.toml",
         format!("{}\n{record}", test.replace("run1.csv", "run1.b5r")),
@@ -133,6 +133,12 @@ fn a_file_of_ballbar_20_tells_what_the_log_by_time_tells() {
     assert!((found("scale X").1 - found("scale X at 20 C").1 - 50.0).abs() < 1e-9);
     let shown = work.ballbar(&["show", "results/run1.b5r"]).done().stdout();
     assert!(shown.contains("operator        Meier") && shown.contains("CCW"), "{shown}");
+    // The file says who and with what; what the test file says counts more.
+    let analysis = std::fs::read_to_string(work.path("results/analysis.json")).unwrap();
+    let analysis: serde_json::Value = serde_json::from_str(&analysis).unwrap();
+    let record = &analysis["test"]["record"];
+    assert_eq!((&record["operator"], &record["bar_serial"]), (&"Huber".into(), &"0AF3".into()));
+    assert_eq!(record["bar_calibrated"], "2026-03-01");
     let by_angle = test.replace("run1.csv", "run1.b5r");
     for (from, to, told) in [
         (

@@ -82,6 +82,18 @@ impl Analysis {
 
 fn test_facts(test: &Test, campaign: &Campaign) -> TestFacts {
     let stated = test.record().date.clone();
+    // What the test file says counts more than what a .b5r does.
+    let said = campaign.said();
+    let record = plan::Record {
+        operator: test.record().operator.clone().or(said.operator),
+        bar_serial: test.record().bar_serial.clone().or(said.bar_serial),
+        bar_calibrated: test
+            .record()
+            .bar_calibrated
+            .clone()
+            .or_else(|| Some(said.bar_calibrated?.to_string())),
+        ..test.record().clone()
+    };
     let mountings = test.mountings().iter().map(|named| MountingFacts {
         name: named.name.clone(),
         coincidence_mm: named.mounting.coincidence_mm.into(),
@@ -94,7 +106,7 @@ fn test_facts(test: &Test, campaign: &Campaign) -> TestFacts {
         sha256: test.hash().to_owned(),
         readings_sha256: campaign.readings_sha256(),
         date: stated.or_else(|| campaign.began().map(|day| day.to_string())),
-        record: Some(test.record().clone()).filter(|record| *record != plan::Record::default()),
+        record: Some(record).filter(|record| *record != plan::Record::default()),
         mountings: mountings.collect(),
     }
 }
