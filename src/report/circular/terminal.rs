@@ -114,7 +114,10 @@ pub(super) fn sentences(facts: &CircularFacts) -> Vec<String> {
         })
         .collect();
     if !parts.is_empty() {
-        told.push(format!("Not whole, so without F and D: {}.", list(parts)));
+        told.push(format!(
+            "Not whole, so without F and D: {}. Their G is about the centre of the minimum zone of the arc itself, G(b) about one of both ways (in brackets that of least squares), not about the place where the balls were set.",
+            list(parts)
+        ));
     }
     told.extend(facts.untold.iter().take(MOST_UNTOLD).cloned());
     if let Some(more @ 1..) = facts.untold.len().checked_sub(MOST_UNTOLD) {
