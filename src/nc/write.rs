@@ -9,43 +9,29 @@ use crate::error::{Error, Kind, Place, Result};
 use crate::machine::{Dialect, Machine};
 use crate::plan::{Path, Step, Test};
 
-#[derive(Template)]
-#[template(path = "fanuc.nc", escape = "none")]
-struct Fanuc<'a> {
-    name: &'a str,
-    title: &'a str,
-    header: &'a [String],
-    lines: &'a [Line],
+/// A program in a language: what stands in it, and the template that puts it into words.
+macro_rules! language {
+    ($(#[$note:meta])* $name:ident, $path:tt) => {
+        $(#[$note])*
+        #[derive(Template)]
+        #[template(path = $path, escape = "none")]
+        struct $name<'a> {
+            name: &'a str,
+            title: &'a str,
+            header: &'a [String],
+            lines: &'a [Line],
+        }
+    };
 }
 
-/// With G64 alone, LinuxCNC would round the corners as far as its acceleration asks for; without Q0 it would put chords
-/// together as far as P lets it, and what was planned within 0.4 um would be driven within 10.
-#[derive(Template)]
-#[template(path = "linuxcnc.nc", escape = "none")]
-struct LinuxCnc<'a> {
-    name: &'a str,
-    title: &'a str,
-    header: &'a [String],
-    lines: &'a [Line],
+language!(Fanuc, "fanuc.nc");
+language! {
+    /// With G64 alone, LinuxCNC would round the corners as far as its acceleration asks for; without Q0 it would put chords
+    /// together as far as P lets it, and what was planned within 0.4 um would be driven within 10.
+    LinuxCnc, "linuxcnc.nc"
 }
-
-#[derive(Template)]
-#[template(path = "siemens.mpf", escape = "none")]
-struct Siemens<'a> {
-    name: &'a str,
-    title: &'a str,
-    header: &'a [String],
-    lines: &'a [Line],
-}
-
-#[derive(Template)]
-#[template(path = "heidenhain.h", escape = "none")]
-struct Heidenhain<'a> {
-    name: &'a str,
-    title: &'a str,
-    header: &'a [String],
-    lines: &'a [Line],
-}
+language!(Siemens, "siemens.mpf");
+language!(Heidenhain, "heidenhain.h");
 
 /// The program of a path: header with machine, test and what to mount where; first what a path depends on and an operator or
 /// another program may have left otherwise, the spindle standing and the coolant off; then G64, the
