@@ -63,7 +63,7 @@ struct Laid {
 fn laid(log: &Log, units: &[(f64, Vector3<f64>)], begins_s: f64) -> Option<Laid> {
     let readings = log.readings();
     let (mut normal, mut rhs, mut square) = (Matrix4::zeros(), Vector4::zeros(), 0.0);
-    let mut count = 0;
+    let mut count = 0.0;
     for (later_s, unit) in units {
         let at_s = begins_s + later_s;
         let next = readings.partition_point(|reading| reading.time_s < at_s);
@@ -74,12 +74,12 @@ fn laid(log: &Log, units: &[(f64, Vector3<f64>)], begins_s: f64) -> Option<Laid>
         normal += row * row.transpose();
         rhs += row * deviation_mm;
         square += deviation_mm * deviation_mm;
-        count += 1;
+        count += 1.0;
     }
-    if (count as f64) < READ * units.len() as f64 {
+    if count < READ * units.len() as f64 {
         return None;
     }
-    let solution = normal.svd(true, true).solve(&rhs, FLAT * count as f64).ok()?;
+    let solution = normal.svd(true, true).solve(&rhs, FLAT * count).ok()?;
     let left_square = (square - solution.dot(&rhs)).max(0.0);
     Some(Laid { offset_mm: solution.xyz(), left: (left_square / square).sqrt() })
 }
