@@ -1,5 +1,6 @@
 //! What one block says: its words by address, its G words in force.
 
+use super::bounds;
 use super::code::{Code, Miscellaneous};
 use super::grammar::Grammar;
 use super::modal::Modal;
@@ -95,9 +96,12 @@ impl<'a> Command<'a> {
         }
         // Last, because the feed is in the unit of the block, wherever G20 stands in it.
         let times = matches!(command.one_shot, Some((Code::Dwell, _)));
-        let of_dwell = times && grammar.dwell.letters.has(b'F');
-        if let Some(word) = command.word(b'F').filter(|_| !of_dwell) {
+        let of_dwell = |word: &Word| times && grammar.dwell.letters.has(word.letter);
+        if let Some(word) = command.word(b'F').filter(|word| !of_dwell(word)) {
             modal.set_feed(word)?;
+        }
+        for word in words.iter().filter(|word| !of_dwell(word)) {
+            bounds::check(word, modal.length_mm(word, grammar.increments), grammar)?;
         }
         Ok(command)
     }

@@ -13,6 +13,8 @@ pub(crate) struct Dwell {
     pub(crate) milliseconds: bool,
     /// No other word may stand in its block.
     pub(crate) alone: bool,
+    /// Its longest time, s.
+    pub(crate) longest_s: f64,
     /// What to write.
     pub(crate) hint: &'static str,
 }
@@ -79,6 +81,8 @@ pub(crate) struct Grammar {
     hints: &'static [(u8, u32, u32, &'static str)],
 }
 
+/// Eight digits of milliseconds, s.
+const DIGITS_S: f64 = 99_999.999;
 const METRIC: (Code, &str) = (Code::Inch(false), "G21");
 const ABSOLUTE: (Code, &str) = (Code::Incremental(false), "G90");
 const OFFSET: (Code, &str) = (Code::WorkOffset(54), "G54");
@@ -101,6 +105,7 @@ static FANUC: Grammar = Grammar {
         letters: Letters::of(b"PXU"),
         milliseconds: true,
         alone: false,
+        longest_s: DIGITS_S,
         hint: "write G04 P2000 or G04 X2.0 for two seconds, alone in a block",
     },
     stating: Stating {
@@ -139,6 +144,7 @@ static LINUXCNC: Grammar = Grammar {
         letters: Letters::of(b"P"),
         milliseconds: false,
         alone: false,
+        longest_s: DIGITS_S,
         hint: "write G04 P2.0 for two seconds, alone in a block",
     },
     stating: Stating {
@@ -163,6 +169,7 @@ static SIEMENS: Grammar = Grammar {
         letters: Letters::of(b"F"),
         milliseconds: false,
         alone: true,
+        longest_s: DIGITS_S,
         hint: "write G4 F2. for two seconds, alone in a block",
     },
     stating: Stating {
@@ -228,6 +235,7 @@ static HEIDENHAIN: Grammar = Grammar {
         letters: Letters::of(b"P"),
         milliseconds: false,
         alone: true,
+        longest_s: 3600.0,
         hint: "write CYCL DEF 9.0 DWELL TIME and after it CYCL DEF 9.1 DWELL 2.0 for two seconds",
     },
     stating: Stating {

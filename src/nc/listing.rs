@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 
+use super::bounds;
 use super::grammar::{Form, Grammar};
 use super::klartext;
 use super::language;
@@ -335,6 +336,7 @@ impl<'a> Listing<'a> {
                     )
                     .hint("block numbers are whole numbers from 1 to 99999"));
                 }
+                bounds::check(&word, 0.0, self.grammar)?;
                 *numbered = true;
             }
             Piece::Word(word) => self.words.push(word),

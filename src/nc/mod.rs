@@ -44,6 +44,7 @@
 //! coordinate rotation and scaling, macros. All of them are errors.
 
 mod arc;
+mod bounds;
 pub mod check;
 mod code;
 mod command;

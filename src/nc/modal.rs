@@ -1,5 +1,6 @@
 //! What stays in force from block to block.
 
+use super::bounds;
 use super::code::{Code, Motion};
 use super::word::{Fault, Word};
 
@@ -86,7 +87,9 @@ impl Modal {
                 .hint("F is a speed in mm/min or inch/min, never negative"));
         }
         let unit_mm = if self.inch { INCH_MM } else { 1.0 };
-        self.feed_mm_s = word.value * unit_mm / 60.0;
+        let feed_mm_min = word.value * unit_mm;
+        bounds::check_feed(word, feed_mm_min)?;
+        self.feed_mm_s = feed_mm_min / 60.0;
         Ok(())
     }
 

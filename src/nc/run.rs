@@ -21,9 +21,6 @@ const MOST_STEPS: usize = 1_000_000;
 /// So often a program may interrupt its motion, or go wrong and be followed further; one of a test has some hundred stops.
 const MOST_MARKS: usize = 100_000;
 
-/// Longest dwell, s: eight digits of milliseconds are all that a control of this kind takes.
-const LONGEST_DWELL_S: f64 = 99_999.999;
-
 /// Calls within calls that the control allows.
 const DEEPEST_CALL: usize = 4;
 
@@ -363,10 +360,9 @@ fn dwell(command: &Command, word: &Word, written: &Dwell) -> std::result::Result
     }
     let counts_s = !written.milliseconds || time.point;
     let seconds = if counts_s { time.value } else { time.value / 1e3 };
-    if seconds > LONGEST_DWELL_S {
-        return Err(
-            Fault::word(time, format!("a dwell lasts {LONGEST_DWELL_S} s at the most")).hint(hint)
-        );
+    if seconds > written.longest_s {
+        let what = format!("a dwell lasts {} s at the most", written.longest_s);
+        return Err(Fault::word(time, what).hint(hint));
     }
     Ok(seconds)
 }

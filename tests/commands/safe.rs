@@ -161,10 +161,10 @@ fn what_never_ends_is_refused_before_it_begins() {
     let refused = work.ballbar(&["simulate", "test.toml", "--scenario", "late.toml"]);
     assert_eq!(refused.code(), 1, "{}", refused.stderr());
     assert!(refused.stderr().contains("followed for 20000 s at the most"), "{}", refused.stderr());
-    // Ten moves, called three million times.
-    let moves = "G01 X10. F500.\nX0.\n".repeat(5);
+    // Two hundred moves, called ten thousand times.
+    let moves = "G01 X10. F500.\nX0.\n".repeat(100);
     let start = "G21 G17 G90 G94 G40 G49 G80 G54 G00 X0. Y0. Z0.\n";
-    let program = format!("%\nO1\n{start}M98 P2 L3000000\nM30\nO2\n{moves}M99\n%\n");
+    let program = format!("%\nO1\n{start}M98 P2 L9999\nM30\nO2\n{moves}M99\n%\n");
     work.write("calls.nc", program);
     let refused = work.ballbar(&["time", "calls.nc", "--machine", "machine.toml"]);
     assert_eq!(refused.code(), 1, "{}", refused.stderr());

@@ -123,7 +123,7 @@ pub(crate) const CASES: &[Case] = &[
     case("letter for digit", Replace(CHORD, "X149.987 Y1.963 ZO.000"), E, Here(17), "Z has no number", Refuses),
     case("number without address", Replace(CHORD, "149.987 Y1.963 Z0.000"), E, Here(1), "a number without an address", Refuses),
     case("more decimals than the control has", Replace("Y1.963 Z0.000", "Y1.9634 Z0.000"), W, Here(10), "Y1.9634 has more than 3 decimals", Passes),
-    case("nine digits", Replace("Y1.963 Z0.000", "Y196300.000 Z0.000"), E, Here(10), "more than eight digits", Passes),
+    case("nine digits", Replace("Y1.963 Z0.000", "Y196300.000 Z0.000"), E, Here(10), "outside of -99999.999 to 99999.999 mm", Passes),
     case("address twice", Replace(CHORD, "X149.987 Y1.963 Y0.000"), E, Here(17), "a second Y in one block", Refuses),
     case("unknown G", Replace("N30 G64", "N30 G66.6"), E, Here(5), "G66.6 is not known", Refuses),
     case("unknown M", Replace("N140 M30", "N140 M987\nN150 M30"), E, Here(6), "M987 is not known", Refuses),

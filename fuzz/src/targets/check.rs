@@ -16,7 +16,7 @@ pub const TARGET: Target = Target {
                 .to_vec()
         },
         || {
-            b"O1\nG90 G54 G00 X0 Y0 Z0\nG91 F100\nM98 P2 L6000000\nM30\nO2\nG01 X1.\nG01 X-1.\nM99\n".to_vec()
+            b"O1\nG90 G54 G00 X0 Y0 Z0\nG91 F100\nM98 P2 L9999\nM30\nO2\nM98 P3 L9999\nM99\nO3\nG01 X1.\nG01 X-1.\nM99\n".to_vec()
         },
         || b"G1\n".repeat(2_000_000),
         || b"M98 P1\n".repeat(300_000),

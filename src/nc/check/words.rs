@@ -7,9 +7,6 @@ use crate::nc::listing::Listing;
 use crate::nc::run::Ran;
 use crate::nc::word::{Fault, Word};
 
-/// A word of length has eight digits on a Fanuc, mm.
-const LARGEST_MM: f64 = 99_999.999;
-
 /// A dwell by P that is shorter was probably meant in seconds, ms.
 const SHORT_DWELL_MS: f64 = 50.0;
 
@@ -112,11 +109,6 @@ fn length(word: &Word, inch: bool, decimals: usize) -> Found {
             word.value
         );
         return Some(("decimal-point", true, Fault::word(word, what).hint(hint)));
-    }
-    if word.value.abs() > LARGEST_MM {
-        let what = format!("{} has more than eight digits", word.name());
-        let hint = "a word of length goes to 99999.999";
-        return Some(("digits", true, Fault::word(word, what).hint(hint)));
     }
     let unit = 10_f64.powi(decimals as i32);
     let finest = word.value * unit;

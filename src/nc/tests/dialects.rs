@@ -139,6 +139,12 @@ fn what_a_siemens_program_says_is_never_skipped() {
         ("MSG(\"HI\")", 1, "MSG is not known"),
         ("G1 X1,5 F100", 6, "`,` has no meaning"),
         ("TURN=2", 1, "TURN is not known"),
+        ("X=100000", 1, "X100000 is 100000 mm, outside of -99999.999 to 99999.999 mm"),
+        ("G700 X3938", 6, "X3938 is 100025.2 mm"),
+        ("G3 X5 Y5 CR=-100000 F100", 10, "R-100000 is -100000 mm"),
+        ("F=1000001", 1, "F1000001 is 1000001 mm/min, outside of 0.001 to 1000000 mm/min"),
+        ("G4 F100000", 4, "99999.999 s at the most"),
+        ("N100000000 X1", 1, "N100000000 is 100000000, outside of 0 to 99999999"),
     ] {
         let source = format!("G90 G0 X0 Y0 Z0\n{block}\nM30\n");
         refused(Dialect::Siemens, &source, (2, column), what);
@@ -179,6 +185,10 @@ fn what_a_klartext_program_says_is_never_skipped() {
         ("PLANE SPATIAL SPA+0", 3, "`PLANE` is not followed"),
         ("STOP M6", 3, "`STOP` is not followed"),
         ("BEGIN PGM Q MM", 3, "`BEGIN` is not followed"),
+        ("L X+100000 R0 F100", 5, "X100000 is 100000 mm, outside of -99999.999 to 99999.999 mm"),
+        ("CC Y-100000", 6, "Y-100000 is -100000 mm"),
+        ("L X+5 F0.0001", 9, "F0.0001 is 0.0001 mm/min, outside of 0.001 to 1000000 mm/min"),
+        ("TOOL CALL Z S100000000", 15, "S100000000 is 100000000"),
     ] {
         let source = klartext(&format!("L X+0 Y+0 Z+0 R0 FMAX\n{block}"));
         refused(Dialect::Heidenhain, &source, (3, column), what);
@@ -186,6 +196,7 @@ fn what_a_klartext_program_says_is_never_skipped() {
     for (blocks, place, what) in [
         ("CYCL DEF 10.0 ROTATION\nCYCL DEF 10.1 ROT+30", (3, 12), "cycle 10 moves the path"),
         ("CYCL DEF 9.0 DWELL TIME\nL X+5 F100", (3, 3), "cycle 9 lacks its block 9.1"),
+        ("CYCL DEF 9.0 DWELL TIME\nCYCL DEF 9.1 DWELL 3601", (3, 22), "3600 s at the most"),
         ("L X+5 Y+0 Z+0 R0 FMAX\nL Y+1", (3, 5), "a feed move without a feed"),
         ("L X+5 Y+0 Z+0 R0 FMAX\nC X+5 Y+0 DR+ F100", (3, 3), "whose pole has no X"),
         ("L X+5 Y+0 Z+0 R0 FMAX\nCC X+0\nC X+5 Y+0 DR+ F100", (4, 3), "whose pole has no Y"),

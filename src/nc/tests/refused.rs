@@ -1,6 +1,6 @@
 //! Programs that are refused, and where the caret stands.
 
-use super::try_text;
+use super::{moves, try_text};
 use crate::error::Kind;
 
 /// Refuses every program with the words and at the place (line, column; 0 for the whole line) given.
@@ -94,6 +94,33 @@ fn a_dwell_has_a_longest_time() {
         ("G04 X100000.", 5, "99999.999 s at the most"),
         ("G04 P999999999999", 5, "99999.999 s at the most"),
     ]);
+}
+
+#[test]
+fn every_number_has_a_lowest_and_a_highest_value() {
+    refuse_blocks(&[
+        ("X100000.", 1, "X100000 is 100000 mm, outside of -99999.999 to 99999.999 mm"),
+        ("G00 Y-100000.", 5, "Y-100000 is -100000 mm"),
+        ("Z100000000", 1, "Z100000000 is 100000 mm"),
+        ("G20 X3937.1", 5, "X3937.1 is 100002.34 mm"),
+        ("G53 X100000.", 5, "X100000 is"),
+        ("G02 X1. I100000. F60", 9, "I100000 is"),
+        ("G03 X1. R-100000. F60", 9, "R-100000 is"),
+        ("G19 G03 Y1. J99999.9991 F60", 13, "J99999.9991 is 99999.9991 mm"),
+        ("F1000001", 1, "F1000001 is 1000001 mm/min, outside of 0.001 to 1000000 mm/min"),
+        ("F0.0001", 1, "F0.0001 is 0.0001 mm/min"),
+        ("G20 F40000.", 5, "F40000 is 1016000 mm/min"),
+        ("S100000000", 1, "S100000000 is 100000000, outside of 0 to 99999999"),
+        ("S-1", 1, "S-1 is"),
+        ("T100000000", 1, "T100000000 is"),
+        ("N100000000 X1.", 1, "N100000000 is"),
+    ]);
+    refuse(&[("M98 P5 L10000\nM30\nO5\nM99\n", (1, 8), "L10000 is 10000, outside of 1 to 9999")]);
+    // What is just within is read.
+    let ends = moves(
+        "X99999.999\nX-99999.999\nX99999999\nN99999999 S99999999 T99999999 F1000000\nG01 F0.001 X0.",
+    );
+    assert_eq!(ends.len(), 4);
 }
 
 #[test]
@@ -207,7 +234,8 @@ fn a_call_that_leads_nowhere_is_refused() {
         ("M98 P1000\nM30\n", (1, 5), "no subprogram O1000"),
         ("M98 P1000.\nM30\nO1000\nM99\n", (1, 5), "no subprogram O1000"),
         ("M98\nM30\n", (1, 1), "M98 without P"),
-        ("M98 P5 L0\nM30\nO5\nM99\n", (1, 8), "number of repeats"),
+        ("M98 P5 L0\nM30\nO5\nM99\n", (1, 8), "L0 is 0, outside of 1 to 9999"),
+        ("M98 P5 L2.\nM30\nO5\nM99\n", (1, 8), "number of repeats"),
         ("M98 P5\nM30\nO5\nG90\n", (4, 0), "O5 ends at line 4 without M99"),
         ("M98 P5\nM30\nO5\nM99 P10\n", (4, 5), "P10 has no meaning"),
         ("M98 P5\nM30\nO5\nM98 P5\nM99\n", (4, 1), "more than 4 deep"),
