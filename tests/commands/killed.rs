@@ -50,7 +50,8 @@ fn what_a_killed_command_leaves_is_set_right() {
     trials(6);
 }
 
-/// More of them: `BALLBAR_KILLS=500 cargo test --release --test commands -- --ignored killed` takes a quarter of an hour.
+/// More of them: `BALLBAR_KILLS=500 cargo test --release --test commands -- --ignored killed` takes a quarter of an hour;
+/// `BALLBAR_KILLS_OF=analyse` ends that command alone.
 #[test]
 #[ignore = "long: `cargo test --release -- --ignored` runs it, and .ci/run does"]
 fn what_many_killed_commands_leave_is_set_right() {
@@ -62,7 +63,9 @@ fn what_many_killed_commands_leave_is_set_right() {
 fn trials(count: usize) {
     let work = Work::new();
     let mut random = Pcg64Mcg::new(0x5eed);
-    for case in cases(&work) {
+    let of = std::env::var("BALLBAR_KILLS_OF").ok();
+    for case in cases(&work).into_iter().filter(|case| of.as_ref().is_none_or(|of| of == case.name))
+    {
         let mut met = Met::default();
         let _ = std::fs::remove_dir_all(work.path("results"));
         for trial in 0..count {
