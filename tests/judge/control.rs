@@ -48,6 +48,8 @@ pub(crate) struct Driven {
     pub(crate) end: [Coordinate; 3],
 }
 
+/// Eight digits of a length, mm.
+const FARTHEST_MM: f64 = 99_999.999;
 /// More events than this are no program of a test.
 const MOST_EVENTS: usize = 400_000;
 /// Where another work offset than that of the test is, as seen from it, mm: nobody knows.
@@ -57,6 +59,7 @@ const LEFT_LENGTH_MM: f64 = -120.0;
 const LEFT_CUTTER_MM: f64 = 8.0;
 const LEFT_ROTATION_RAD: f64 = 0.5;
 const LEFT_SCALE: f64 = 0.6;
+const LEFT_SHIFT_MM: f64 = 60.0;
 
 /// Drives a program.
 pub(crate) fn drive(text: &str, setting: &Setting, power: &PowerOn) -> Result<Driven, Refused> {
@@ -170,7 +173,14 @@ impl Control<'_> {
 
     fn dwell(&self, block: &Block, function: Option<u32>) -> Result<(), Refused> {
         let fanuc = self.setting.dialect == Dialect::Fanuc;
-        let times = if fanuc { "PXU" } else { "P" };
+        let times = match self.setting.dialect {
+            Dialect::Fanuc => "PXU",
+            Dialect::Siemens => "F",
+            Dialect::LinuxCnc | Dialect::Heidenhain => "P",
+        };
+        if self.setting.dialect == Dialect::Siemens && block.words.len() + block.spoken.len() != 2 {
+            return refuse(block.line, "a dwell with something else");
+        }
         let given: Vec<&Word> = block.words.iter().filter(|w| times.contains(w.letter)).collect();
         let motion = |w: &&Word| w.letter == 'G' && w.value < 3.5;
         let [time] = given[..] else { return refuse(block.line, "a dwell of no time") };
@@ -198,6 +208,11 @@ impl Control<'_> {
         };
         if let Some(word) = block.words.iter().find(|word| !allowed(word)) {
             return refuse(line, format!("{} belongs to nothing", word.letter));
+        }
+        for word in block.words.iter().filter(|word| "XYZIJKR".contains(word.letter)) {
+            if self.length_mm(word).abs() > FARTHEST_MM {
+                return refuse(line, format!("{} beyond what a control takes", word.letter));
+            }
         }
         let moves = |letters: &str| block.words.iter().any(|w| letters.contains(w.letter));
         let in_machine = self.modal.once == Some(Once::MachineCoordinates);
@@ -235,7 +250,7 @@ impl Control<'_> {
     /// The length of a word, mm.
     fn length_mm(&mut self, word: &Word) -> f64 {
         let unit_mm = if self.modal.inch { 25.4 } else { 1.0 };
-        if word.point || self.setting.dialect == Dialect::LinuxCnc || word.value.abs() < 1e-12 {
+        if word.point || self.setting.dialect != Dialect::Fanuc || word.value.abs() < 1e-12 {
             return word.value * unit_mm;
         }
         self.driven.depends.insert(Unstated::Point);
@@ -267,7 +282,7 @@ impl Control<'_> {
         }
         let zero_mm = self.zero_mm();
         let point = self.shifted();
-        let turned = self.power.has(Unstated::Rotation) || self.power.has(Unstated::Polar);
+        let turned = [Unstated::Rotation, Unstated::Polar].iter().any(|left| self.power.has(*left));
         for (axis, to) in to.iter_mut().enumerate() {
             let with_the_other = turned && axis < 2 && (given[0].or(given[1])).is_some();
             if given[axis].is_some() || with_the_other {
@@ -301,6 +316,16 @@ impl Control<'_> {
             let (sin, cos) = LEFT_ROTATION_RAD.sin_cos();
             (x, y) = (x * cos - y * sin, x * sin + y * cos);
         }
+        if left(Unstated::Transformation) {
+            let (sin, cos) = LEFT_ROTATION_RAD.sin_cos();
+            (y, z) = (y * cos - z * sin, y * sin + z * cos);
+        }
+        if left(Unstated::Mirror) {
+            x = -x;
+        }
+        if left(Unstated::Shift) {
+            (x, y) = (x + LEFT_SHIFT_MM, y - LEFT_SHIFT_MM);
+        }
         if left(Unstated::Length) {
             z += LEFT_LENGTH_MM;
         }
@@ -317,6 +342,15 @@ impl Control<'_> {
         }
         let (from, to) = (self.at.map(|c| c.mm), to.map(|c| c.mm));
         let normal = self.modal.normal;
+        if let Some(pole) = block.pole {
+            let mut centre_mm = from;
+            for axis in (0..3).filter(|axis| *axis != normal) {
+                let Some(word) = pole[axis] else { return refuse(block.line, "an arc of no pole") };
+                centre_mm[axis] = self.zero_mm()[axis] + self.length_mm(&word);
+            }
+            return arcs::about(from, to, normal, sense, centre_mm)
+                .or_else(|what| refuse(block.line, what));
+        }
         let offsets =
             ['I', 'J', 'K'].map(|letter| word(block, letter).map(|word| self.length_mm(&word)));
         let radius_mm = word(block, 'R').map(|word| self.length_mm(&word));

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use ballbar::machine::Dialect;
 use rand::RngExt;
 use rand::seq::IndexedRandom;
 use rand_pcg::Pcg64Mcg;
@@ -43,22 +44,38 @@ pub(crate) fn machine(random: &mut Pcg64Mcg) -> (String, [[f64; 2]; 3]) {
             let _ = writeln!(source, "retract_mm = {retract_mm:.3}");
         }
     }
-    let fanuc = random.random_bool(0.6);
+    let dialect = one_of(
+        random,
+        &[
+            Dialect::Fanuc,
+            Dialect::Fanuc,
+            Dialect::LinuxCnc,
+            Dialect::Siemens,
+            Dialect::Siemens,
+            Dialect::Heidenhain,
+            Dialect::Heidenhain,
+        ],
+    );
+    let tnc = dialect == Dialect::Heidenhain;
     let _ = write!(
         source,
         "[controller]\ndialect = \"{}\"\ndecimals = {}\nsequence_step = {}\n",
-        if fanuc { "fanuc" } else { "linuxcnc" },
-        random.random_range(2..7_usize),
+        dialect.name(),
+        random.random_range(2..if tnc { 5_usize } else { 7 }),
         one_of(random, &[0, 1, 10, 1000]),
     );
-    if fanuc && random.random_bool(0.4) {
-        let [on, off] = one_of(
-            random,
-            &[["G05.1 Q1", "G05.1 Q0"], ["G08 P1", "G08 P0"], ["G05 P10000", "G05 P0"]],
-        );
+    let looks: &[[&str; 2]] = match dialect {
+        Dialect::Fanuc => {
+            &[["G05.1 Q1", "G05.1 Q0"], ["G08 P1", "G08 P0"], ["G05 P10000", "G05 P0"]]
+        }
+        Dialect::Siemens => &[["FFWON SOFT", "FFWOF BRISK"], ["FFWON", "FFWOF"]],
+        Dialect::LinuxCnc | Dialect::Heidenhain => &[],
+    };
+    if !looks.is_empty() && random.random_bool(0.4) {
+        let [on, off] = one_of(random, looks);
         let _ = write!(source, "look_ahead_on = \"{on}\"\nlook_ahead_off = \"{off}\"\n");
     }
-    if random.random_bool(0.3) {
+    if matches!(dialect, Dialect::Fanuc | Dialect::LinuxCnc) && random.random_bool(0.3) {
         let _ = writeln!(source, "memory_kb = {:.1}", between(random, 3.0, 30.0));
     }
     if random.random_bool(0.5) {
@@ -72,7 +89,13 @@ pub(crate) fn machine(random: &mut Pcg64Mcg) -> (String, [[f64; 2]; 3]) {
 }
 
 /// A test file for a machine of this travel.
-pub(crate) fn test(random: &mut Pcg64Mcg, travel_mm: &[[f64; 2]; 3]) -> String {
+pub(crate) fn test(random: &mut Pcg64Mcg, travel_mm: &[[f64; 2]; 3], dialect: Dialect) -> String {
+    // Those that the control has, and now and then another.
+    let offsets = match dialect {
+        Dialect::Fanuc | Dialect::LinuxCnc => 54..60_u8,
+        Dialect::Siemens => 54..58 + u8::from(random.random_bool(0.05)),
+        Dialect::Heidenhain => 54..55 + u8::from(random.random_bool(0.02)),
+    };
     let range_mm = one_of(random, &[1.2, 1.2, 0.5, 2.0]);
     let length_mm = one_of(random, &[50.0, 100.0, 150.0, 150.0, 250.0, 87.3]);
     let mut source = format!(
@@ -98,7 +121,7 @@ pub(crate) fn test(random: &mut Pcg64Mcg, travel_mm: &[[f64; 2]; 3]) -> String {
             "[[mounting]]\nname = \"{name}\"\ncoincidence_mm = [{:.3}, {:.3}, {:.3}]\ntool_ball_mm = [0.0, 0.0, -180.0]\n",
             at[0], at[1], at[2]
         );
-        let _ = writeln!(source, "work_offset = \"G{}\"", random.random_range(54..60_u8));
+        let _ = writeln!(source, "work_offset = \"G{}\"", random.random_range(offsets.clone()));
         if random.random_bool(0.3) {
             let _ = writeln!(source, "bar_length_mm = {:.1}", between(random, 40.0, length_mm));
         }

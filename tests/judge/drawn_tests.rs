@@ -25,6 +25,7 @@ const RESETS: usize = 40;
 struct Outcome {
     tests: usize,
     written: usize,
+    programs: BTreeMap<&'static str, usize>,
     blocks: usize,
     sequences: usize,
     refused: BTreeMap<String, usize>,
@@ -48,7 +49,7 @@ fn drive(number: u64) -> Outcome {
     let mut programs: Vec<(Program, String)> = Vec::new();
     for _ in 0..AFTER_ONE_ANOTHER {
         outcome.tests += 1;
-        let source = drawn::test(&mut random, &travel_mm);
+        let source = drawn::test(&mut random, &travel_mm, machine.controller().dialect);
         let test = match Test::parse(&source, "t.toml".as_ref()) {
             Ok(test) => test,
             Err(error) => {
@@ -80,6 +81,7 @@ fn drive(number: u64) -> Outcome {
     for (program, test) in &programs {
         outcome.blocks += program.text.lines().count();
         outcome.sequences += ends.len();
+        *outcome.programs.entry(program.setting.dialect.name()).or_default() += 1;
         let mut places = program.setting.places();
         places.extend(&ends);
         places.extend(stations(&program.text, &program.setting, &PowerOn::default(), RESETS));
@@ -101,13 +103,16 @@ fn all_pass(tests: u64) {
         all.blocks += outcome.blocks;
         all.sequences += outcome.sequences;
         all.failed.extend(outcome.failed);
+        for (dialect, count) in outcome.programs {
+            *all.programs.entry(dialect).or_default() += count;
+        }
         for (kind, count) in outcome.refused {
             *all.refused.entry(kind).or_default() += count;
         }
     }
-    let Outcome { tests, written, blocks, sequences, refused, failed } = all;
+    let Outcome { tests, written, programs, blocks, sequences, refused, failed } = all;
     println!(
-        "{tests} tests, {written} written with {blocks} lines, judged in {sequences} sequences; refused:"
+        "{tests} tests, {written} written as {programs:?} with {blocks} lines, judged in {sequences} sequences; refused:"
     );
     for (kind, count) in &refused {
         println!("{count:6} {kind}");

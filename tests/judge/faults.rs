@@ -1,7 +1,10 @@
 //! One fault in a program, as a slip of a finger, a bad edit or a bad transfer makes it.
 
+use ballbar::machine::Dialect;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
+
+use crate::tongue::{Tongue, exchanged};
 
 /// What is done to a program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -59,15 +62,22 @@ impl Fault {
     ];
 }
 
-/// A program with one fault in it, and the number of its line counted from 1; none where there is no place for it.
-pub(crate) fn put(fault: Fault, text: &str, random: &mut Pcg64Mcg) -> Option<(String, usize)> {
-    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
-    let at = line_of(&lines, fault, random)?;
+/// A program with one fault in it, and the number of its line counted from 1; none where there is no place for it. Klartext
+/// is numbered anew, as the editor of a TNC does.
+pub(crate) fn put(
+    fault: Fault,
+    text: &str,
+    dialect: Dialect,
+    random: &mut Pcg64Mcg,
+) -> Option<(String, usize)> {
+    let tongue = Tongue::of(dialect);
+    let mut lines: Vec<String> = text.lines().map(|line| tongue.bare(line)).collect();
+    let at = line_of(&lines, fault, tongue, random)?;
     match fault {
         Fault::LostBlock => drop(lines.remove(at)),
         Fault::DoubledBlock => lines.insert(at, lines[at].clone()),
         Fault::ExchangedBlocks => {
-            let next = (at + 1..lines.len() - 1).find(|&k| is_block(&lines[k]))?;
+            let next = (at + 1..lines.len() - 1).find(|&k| tongue.is_block(&lines[k]))?;
             lines.swap(at, next);
         }
         Fault::MovedBlock => {
@@ -76,87 +86,111 @@ pub(crate) fn put(fault: Fault, text: &str, random: &mut Pcg64Mcg) -> Option<(St
             lines.insert(to, line);
         }
         Fault::WordOfAnother => {
-            let other = &lines[line_of(&lines, fault, random)?];
-            let (start, end) = word(other, "XYZIJKR", random)?;
+            let other = &lines[line_of(&lines, fault, tongue, random)?];
+            let (start, end) = word(other, LENGTHS, tongue, random)?;
             let given = other[start..end].to_owned();
-            let (start, end) = word(&lines[at], &given[..1], random)?;
+            let (start, end) = word(&lines[at], &given[..1], tongue, random)?;
             lines[at].replace_range(start..end, &given);
         }
+        Fault::LostModal => {
+            let word = Tongue::one_of(&tongue.modal(&lines[at]), random)?;
+            lost(&mut lines, at, word);
+        }
         _ => {
-            let changed = within(fault, &lines[at], random)?;
+            let changed = within(fault, &lines[at], tongue, random)?;
             lines[at] = changed;
         }
     }
-    let changed = lines.join("\n") + "\n";
+    let changed = tongue.text(&lines);
     (changed != text).then_some((changed, at + 1))
 }
 
-/// A line that has words, not only a comment.
-fn is_block(line: &str) -> bool {
-    !line.starts_with(['%', '(', 'O']) && !line.is_empty()
+/// Takes a modal word out: of a line, all blocks of a cycle, or everywhere where every block says it.
+fn lost(lines: &mut Vec<String>, at: usize, word: &str) {
+    if word.starts_with("CYCL") {
+        lines.retain(|line| !line.starts_with(&format!("{word}.")));
+    } else if word == "R0" {
+        for line in lines.iter_mut() {
+            *line = line.replacen(" R0", "", 1);
+        }
+    } else if let Some(without) = exchanged(&lines[at], word, "") {
+        lines[at] = without;
+    }
 }
 
 /// A line for a fault: every second one is no point of an arc, because there are few of those and more depends on them.
-fn line_of(lines: &[String], fault: Fault, random: &mut Pcg64Mcg) -> Option<usize> {
-    let has = |line: &str, words: &[&str]| words.iter().any(|word| line.contains(word));
-    let fits = |line: &str| {
-        is_block(line)
-            && match fault {
-                Fault::FeedForRapid => line.contains("G00"),
-                Fault::RapidForFeed | Fault::OtherArc => has(line, &["G01", "G02", "G03"]),
-                Fault::WrongPlane | Fault::WrongUnit | Fault::WrongDistance => {
-                    has(line, &["G17", "G18", "G19", "G01", "G02", "G03"])
-                }
-                Fault::LostModal => has(line, &["G21", "G69", "G15", "G50", "G54", "G64", "G17"]),
-                Fault::ChangedFeed => line.contains('F'),
-                _ => true,
-            }
+fn line_of(
+    lines: &[String],
+    fault: Fault,
+    tongue: &Tongue,
+    random: &mut Pcg64Mcg,
+) -> Option<usize> {
+    let has = |line: &str, words: &[&str]| words.iter().any(|w| exchanged(line, w, "").is_some());
+    let fits = |line: &str| match fault {
+        Fault::WrongUnit if tongue.klartext => line.starts_with("BEGIN"),
+        Fault::WrongPlane if tongue.klartext => has(line, &tongue.planes),
+        _ if !tongue.is_block(line) => false,
+        Fault::FeedForRapid => tongue.is_rapid(line),
+        Fault::RapidForFeed | Fault::OtherArc => tongue.is_feed(line),
+        Fault::WrongPlane | Fault::WrongUnit | Fault::WrongDistance => {
+            tongue.is_feed(line) || has(line, &tongue.planes)
+        }
+        Fault::LostModal => !tongue.modal(line).is_empty(),
+        Fault::ChangedFeed => !places(line, "F", tongue).is_empty(),
+        _ => true,
     };
     let seldom = random.random_bool(0.5);
     let chosen: Vec<usize> = (0..lines.len())
-        .filter(|&k| fits(&lines[k]) && (!seldom || !lines[k].starts_with('X')))
+        .filter(|&k| fits(&lines[k]) && (!seldom || !tongue.is_chord(&lines[k])))
         .collect();
     (!chosen.is_empty()).then(|| chosen[random.random_range(0..chosen.len())])
 }
 
-/// The part of a line before its comment.
-fn words_of(line: &str) -> &str {
-    line.split('(').next().unwrap_or("")
+/// Where words with one of these letters and a number stand in a line, before its comment.
+fn places(line: &str, letters: &str, tongue: &Tongue) -> Vec<(usize, usize)> {
+    let words = line.split(tongue.comment).next().unwrap_or("");
+    let of_number = |c: char| c.is_ascii_digit() || "+-.".contains(c);
+    let starts = words.match_indices(|c: char| letters.contains(c)).map(|(at, _)| at);
+    starts
+        .filter_map(|start| {
+            let alone = !words[..start].ends_with(|c: char| c.is_ascii_alphabetic());
+            let rest = &words[start + 1..];
+            let width = rest.find(|c: char| !of_number(c)).unwrap_or(rest.len());
+            (alone && width > 0).then_some((start, start + 1 + width))
+        })
+        .collect()
 }
 
-/// Where a word with one of these letters stands in a line.
-fn word(line: &str, letters: &str, random: &mut Pcg64Mcg) -> Option<(usize, usize)> {
-    let words = words_of(line);
-    let starts: Vec<usize> =
-        words.match_indices(|c: char| letters.contains(c)).map(|(at, _)| at).collect();
-    if starts.is_empty() {
-        return None;
-    }
-    let start = starts[random.random_range(0..starts.len())];
-    let rest = &words[start + 1..];
-    let end = rest.find(|c: char| !(c.is_ascii_digit() || "+-.".contains(c))).unwrap_or(rest.len());
-    Some((start, start + 1 + end))
+/// One of them.
+fn word(
+    line: &str,
+    letters: &str,
+    tongue: &Tongue,
+    random: &mut Pcg64Mcg,
+) -> Option<(usize, usize)> {
+    let places = places(line, letters, tongue);
+    (!places.is_empty()).then(|| places[random.random_range(0..places.len())])
 }
 
 const LENGTHS: &str = "XYZIJKR";
 const ANY: &str = "GMNXYZIJKRFPQL";
 
 /// The line with a fault in it.
-fn within(fault: Fault, line: &str, random: &mut Pcg64Mcg) -> Option<String> {
+fn within(fault: Fault, line: &str, tongue: &Tongue, random: &mut Pcg64Mcg) -> Option<String> {
     let mut changed = line.to_owned();
-    let replaced = |from: &str, to: &str| line.contains(from).then(|| line.replacen(from, to, 1));
     match fault {
         Fault::LostSign | Fault::GainedSign => {
-            let (start, _) = word(line, LENGTHS, random)?;
-            let minus = line[start + 1..].starts_with('-');
-            match (fault, minus) {
-                (Fault::LostSign, true) => drop(changed.remove(start + 1)),
-                (Fault::GainedSign, false) => changed.insert(start + 1, '-'),
+            let (start, _) = word(line, LENGTHS, tongue, random)?;
+            let sign = line[start + 1..].chars().next();
+            match (fault, sign) {
+                (Fault::LostSign, Some('-')) => drop(changed.remove(start + 1)),
+                (Fault::GainedSign, Some('+')) => changed.replace_range(start + 1..start + 2, "-"),
+                (Fault::GainedSign, Some('0'..='9')) => changed.insert(start + 1, '-'),
                 _ => return None,
             }
         }
         Fault::LostPoint | Fault::MovedPoint => {
-            let (start, end) = word(line, "XYZIJKRFP", random)?;
+            let (start, end) = word(line, "XYZIJKRFP", tongue, random)?;
             let point = start + line[start..end].find('.')?;
             changed.remove(point);
             if fault == Fault::MovedPoint {
@@ -165,7 +199,7 @@ fn within(fault: Fault, line: &str, random: &mut Pcg64Mcg) -> Option<String> {
             }
         }
         Fault::ChangedDigit | Fault::LostDigit | Fault::DoubledDigit => {
-            let (start, end) = word(line, ANY, random)?;
+            let (start, end) = word(line, ANY, tongue, random)?;
             let at = random.random_range(start + 1..end);
             let digit = line.as_bytes()[at];
             if !digit.is_ascii_digit() {
@@ -181,58 +215,82 @@ fn within(fault: Fault, line: &str, random: &mut Pcg64Mcg) -> Option<String> {
             }
         }
         Fault::LostWord => {
-            let (start, end) = word(line, ANY, random)?;
+            let (start, end) = word(line, ANY, tongue, random)?;
             changed.replace_range(start..end, "");
         }
         Fault::ExchangedLetters => {
-            let (first, _) = word(line, LENGTHS, random)?;
-            let (second, _) = word(line, LENGTHS, random)?;
+            let (first, _) = word(line, LENGTHS, tongue, random)?;
+            let (second, _) = word(line, LENGTHS, tongue, random)?;
             let (a, b) = (line[first..=first].to_owned(), line[second..=second].to_owned());
             changed.replace_range(first..=first, &b);
             changed.replace_range(second..=second, &a);
         }
-        Fault::RapidForFeed => {
-            changed = ["G01", "G02", "G03"].iter().find_map(|word| replaced(word, "G00"))?;
+        Fault::ChangedFeed => {
+            let (start, end) = word(line, "F", tongue, random)?;
+            let feed = ["F5000.", "F50.", "F1.", "F0.", "F15000.", "F501."];
+            changed.replace_range(start..end, feed[random.random_range(0..feed.len())]);
         }
-        Fault::FeedForRapid => changed = replaced("G00", "G01")?,
-        Fault::OtherArc => {
-            changed = replaced("G02", "G03")
-                .or_else(|| replaced("G03", "G02"))
-                .or_else(|| replaced("G01", ["G02", "G03"][random.random_range(0..2)]))?;
-        }
+        _ if tongue.klartext => return in_klartext(fault, line, tongue, random),
+        _ => return in_words(fault, line, tongue, random),
+    }
+    Some(changed)
+}
+
+/// Another function where functions are words of a letter and a number.
+fn in_words(fault: Fault, line: &str, tongue: &Tongue, random: &mut Pcg64Mcg) -> Option<String> {
+    let Tongue { rapid, line: straight, arcs: [cw, ccw], planes, units: [metric, inch], .. } =
+        tongue;
+    let exchange = |from: &str, to: &str| exchanged(line, from, to);
+    let before = |word: &str| exchange(straight, &format!("{word} {straight}"));
+    match fault {
+        Fault::RapidForFeed => [straight, cw, ccw].iter().find_map(|word| exchange(word, rapid)),
+        Fault::FeedForRapid => exchange(rapid, straight),
+        Fault::OtherArc => exchange(cw, ccw)
+            .or_else(|| exchange(ccw, cw))
+            .or_else(|| exchange(straight, Tongue::one_of(&[cw, ccw], random)?)),
         Fault::WrongPlane => {
-            let plane = ["G17", "G18", "G19"][random.random_range(0..3)];
-            changed = ["G17", "G18", "G19"]
-                .iter()
-                .find_map(|word| replaced(word, plane))
-                .or_else(|| replaced("G01", &format!("{plane} G01")))?;
+            let plane = Tongue::one_of(planes, random)?;
+            planes.iter().find_map(|word| exchange(word, plane)).or_else(|| before(plane))
         }
-        Fault::WrongUnit => {
-            changed = replaced("G21", "G20").or_else(|| replaced("G01", "G20 G01"))?;
-        }
-        Fault::WrongDistance => {
-            changed = replaced("G90", "G91").or_else(|| replaced("G01", "G91 G01"))?;
-        }
+        Fault::WrongUnit => exchange(metric, inch).or_else(|| before(inch)),
+        Fault::WrongDistance => exchange("G90", "G91").or_else(|| before("G91")),
         Fault::WrongOffset => {
             let other = format!("G{}", random.random_range(54..60));
-            let (start, end) = word(line, "G", random)?;
+            let (start, end) = word(line, "G", tongue, random)?;
             let offset = (54..60).any(|number| line[start..end] == format!("G{number}"));
+            let mut changed = line.to_owned();
             if offset {
                 changed.replace_range(start..end, &other);
             } else {
                 changed.insert_str(start, &format!("{other} "));
             }
+            Some(changed)
         }
-        Fault::LostModal => {
-            let (start, end) = word(line, "G", random)?;
-            changed.replace_range(start..end, "");
-        }
-        Fault::ChangedFeed => {
-            let (start, end) = word(line, "F", random)?;
-            let feed = ["F5000.", "F50.", "F1.", "F0.", "F15000.", "F501."];
-            changed.replace_range(start..end, feed[random.random_range(0..feed.len())]);
-        }
-        _ => return None,
+        _ => None,
     }
-    Some(changed)
+}
+
+/// The same in Klartext, which has no work offsets.
+fn in_klartext(fault: Fault, line: &str, tongue: &Tongue, random: &mut Pcg64Mcg) -> Option<String> {
+    let Tongue { rapid, line: straight, arcs: [cw, ccw], planes, units: [metric, inch], .. } =
+        tongue;
+    let exchange = |from: &str, to: &str| exchanged(line, from, to);
+    match fault {
+        Fault::RapidForFeed => Some(format!("{line} {rapid}")),
+        Fault::FeedForRapid => exchange(rapid, Tongue::one_of(&["", "F500"], random)?),
+        Fault::OtherArc => exchange(cw, ccw).or_else(|| exchange(ccw, cw)).or_else(|| {
+            let sense = Tongue::one_of(&[cw, ccw], random)?;
+            exchange(straight, "C").map(|arc| format!("{arc} {sense}"))
+        }),
+        Fault::WrongPlane => {
+            let plane = Tongue::one_of(planes, random)?;
+            planes.iter().find_map(|word| exchange(word, plane))
+        }
+        Fault::WrongUnit => exchange(metric, inch),
+        Fault::WrongDistance => {
+            let (start, _) = word(line, "XYZ", tongue, random)?;
+            Some(format!("{}I{}", &line[..start], &line[start..]))
+        }
+        _ => None,
+    }
 }

@@ -9,7 +9,7 @@ use crate::verdict::{From, Verdict, judge};
 use crate::walk::Harm;
 
 /// A horizontal machine with a bar of 150 mm at the test's place.
-fn setting() -> Setting {
+pub(crate) fn setting() -> Setting {
     Setting {
         dialect: Dialect::Fanuc,
         travel_mm: [[-280.0, 280.0], [-280.0, 280.0], [-200.0, 400.0]],
@@ -57,7 +57,7 @@ M30
 %
 ";
 
-fn judged(text: &str, setting: &Setting) -> Verdict {
+pub(crate) fn judged(text: &str, setting: &Setting) -> Verdict {
     judge(text, setting, &setting.places())
 }
 
@@ -128,8 +128,8 @@ fn each_harm_has_its_name() {
     for (from, to, harm) in [
         ("G03 X0.000 Y150.000 Z0.000 I-150.000 J0.000", "G03 X0. Y150. R140.", Harm::Stretched),
         ("G03 X0.000 Y150.000 Z0.000 I-150.000 J0.000", "G01 X0. Y150.", Harm::Crushed),
-        // A radius of 150 m is nearly a line.
-        ("G03 X0.000 Y150.000 Z0.000 I-150.000 J0.000", "G03 X0. Y150. R150000.", Harm::Crushed),
+        // A radius of 100 m is nearly a line.
+        ("G03 X0.000 Y150.000 Z0.000 I-150.000 J0.000", "G03 X0. Y150. R99999.", Harm::Crushed),
         ("G01 X150.000", "G01 X150. Y1.\nG00 X150.000", Harm::Dragged),
         ("G04 P3000\nG01 X151.500", "G01 X249.\nG01 X150.2\nG01 X151.500", Harm::Crushed),
         ("M00 (TAKE BALL-BAR OFF)\n", "", Harm::Dragged),
@@ -187,7 +187,7 @@ fn what_is_not_stated_is_found_and_what_it_does() {
     for (from, to, group, harms) in [
         ("G21 ", "", Unstated::Unit, true),
         ("G54\n", "", Unstated::Offset, true),
-        ("X171.500 Y-5.000 Z-5", "X171500 Y-5.000 Z-5", Unstated::Point, true),
+        ("X171.500 Y-5.000 Z-5", "X171.500 Y-5000 Z-5", Unstated::Point, true),
         ("G17 ", "", Unstated::Plane, false),
         ("G49 ", "", Unstated::Length, false),
         ("G69 ", "", Unstated::Rotation, false),

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use ballbar::machine::Dialect;
 
 use crate::power::{PowerOn, Unstated};
-use crate::words::{Block, Refused, Word, refuse};
+use crate::words::{Block, Refused, Spoken, Word, refuse};
 
 /// How a block moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,6 +24,10 @@ pub(crate) enum Once {
     /// Look-ahead: the letter of its argument, and the argument that switches it on.
     LookAhead(char, u32),
 }
+
+/// Feeds are between these, mm/min.
+const SLOWEST_MM_MIN: f64 = 0.001;
+const FASTEST_MM_MIN: f64 = 1e6;
 
 /// What is in force.
 #[derive(Debug, Clone)]
@@ -58,19 +62,32 @@ impl Modal {
     pub(crate) fn obey(&mut self, block: &Block, dialect: Dialect) -> Result<(), Refused> {
         self.once = None;
         let mut groups = BTreeSet::new();
+        for spoken in &block.spoken {
+            let group = self.spoken(*spoken);
+            if !groups.insert(group) {
+                return refuse(block.line, format!("a second word of the group of {spoken:?}"));
+            }
+        }
         for word in block.words.iter().filter(|word| word.letter == 'G') {
-            let group = self.code(word, block.line, dialect)?;
+            let group = match dialect {
+                Dialect::Siemens => self.siemens(word, block.line)?,
+                Dialect::Heidenhain => return refuse(block.line, "a G word in Klartext"),
+                Dialect::Fanuc | Dialect::LinuxCnc => self.code(word, block.line, dialect)?,
+            };
             if !groups.insert(group) {
                 let what = format!("a second G word of the group of G{}", word.value);
                 return refuse(block.line, what);
             }
         }
-        if let Some(feed) = block.words.iter().find(|word| word.letter == 'F') {
-            if feed.value < 0.0 {
-                return refuse(block.line, "a negative feed");
-            }
+        // F of a dwell of a Siemens is its time.
+        let time = dialect == Dialect::Siemens && self.once == Some(Once::Dwell);
+        if let Some(feed) = block.words.iter().find(|word| word.letter == 'F' && !time) {
             let unit_mm = if self.inch { 25.4 } else { 1.0 };
-            self.feed_mm_s = Some(feed.value * unit_mm / 60.0).filter(|feed_mm_s| *feed_mm_s > 0.0);
+            let mm_min = feed.value * unit_mm;
+            if mm_min != 0.0 && !(SLOWEST_MM_MIN..=FASTEST_MM_MIN).contains(&mm_min) {
+                return refuse(block.line, "a feed that no control has");
+            }
+            self.feed_mm_s = Some(mm_min / 60.0).filter(|feed_mm_s| *feed_mm_s > 0.0);
         }
         Ok(())
     }
@@ -82,10 +99,65 @@ impl Modal {
         if !exact || word.point != (tenths % 10.0 > 0.5) {
             return refuse(line, format!("G{} is not known", word.value));
         }
+        self.iso(tenths as u32, fanuc)
+            .map_or_else(|| refuse(line, format!("G{} is not known here", word.value)), Ok)
+    }
+
+    /// G words of a Siemens control: some are others, some mean something else.
+    fn siemens(&mut self, word: &Word, line: usize) -> Result<u8, Refused> {
+        let whole = !word.point && word.value >= 0.0;
+        let group = match word.value as u32 {
+            _ if !whole => None,
+            9 => Some(14),
+            60 | 64 => Some(6),
+            153 => Some(self.only(Once::MachineCoordinates)),
+            700 => self.iso(200, false),
+            71 | 710 => self.iso(210, false),
+            code @ (0..=4 | 17..=19 | 40 | 54..=57 | 90 | 91 | 94) => self.iso(10 * code, false),
+            _ => None,
+        };
+        group.map_or_else(|| refuse(line, format!("G{} is not known here", word.value)), Ok)
+    }
+
+    /// Puts in force what is said in a word; its group.
+    fn spoken(&mut self, spoken: Spoken) -> u8 {
+        let mut ends = |group, number| {
+            self.stated.insert(group);
+            number
+        };
+        match spoken {
+            Spoken::Motion(motion) => {
+                self.motion = motion;
+                ends(Unstated::Motion, 1)
+            }
+            Spoken::Plane(normal) => {
+                self.normal = normal;
+                ends(Unstated::Plane, 2)
+            }
+            Spoken::Unit(inch) => {
+                self.inch = inch;
+                ends(Unstated::Unit, 3)
+            }
+            Spoken::NoRadius => ends(Unstated::Cutter, 8),
+            Spoken::NoLength => ends(Unstated::Length, 9),
+            Spoken::NoCycle => ends(Unstated::Cycle, 10),
+            Spoken::NoRotation => ends(Unstated::Rotation, 11),
+            Spoken::NoScaling => ends(Unstated::Scaling, 13),
+            Spoken::NoShift => ends(Unstated::Shift, 15),
+            Spoken::NoTransformation => ends(Unstated::Transformation, 16),
+            Spoken::NoMirror => ends(Unstated::Mirror, 17),
+            Spoken::Dynamics(group) => 18 + group,
+            Spoken::MachineCoordinates => self.only(Once::MachineCoordinates),
+            Spoken::Dwell => self.only(Once::Dwell),
+        }
+    }
+
+    /// What all have, and what a Fanuc has, by tenths of the number; its group.
+    fn iso(&mut self, tenths: u32, fanuc: bool) -> Option<u8> {
         let mut state = |group| {
             self.stated.insert(group);
         };
-        Ok(match tenths as u32 {
+        Some(match tenths {
             code @ (0 | 10 | 20 | 30) => {
                 state(Unstated::Motion);
                 self.motion = match code {
@@ -156,7 +228,7 @@ impl Modal {
             50 if fanuc => self.only(Once::LookAhead('P', 10_000)),
             51 if fanuc => self.only(Once::LookAhead('Q', 1)),
             80 if fanuc => self.only(Once::LookAhead('P', 1)),
-            _ => return refuse(line, format!("G{} is not known here", word.value)),
+            _ => return None,
         })
     }
 
@@ -167,19 +239,23 @@ impl Modal {
 
     /// What a motion depends on that the program has not stated.
     pub(crate) fn unstated(&self, dialect: Dialect) -> BTreeSet<Unstated> {
-        let mut needs = BTreeSet::from([
-            Unstated::Unit,
-            Unstated::Distance,
-            // G53 does without, and `check` asks for it before the first motion all the same: a first block states it.
-            Unstated::Offset,
-            Unstated::Feed,
-            Unstated::Motion,
-            Unstated::Cutter,
-            Unstated::Length,
-            Unstated::Cycle,
-        ]);
-        if self.once != Some(Once::MachineCoordinates) && dialect == Dialect::Fanuc {
-            needs.extend([Unstated::Rotation, Unstated::Polar, Unstated::Scaling]);
+        use Unstated::{
+            Cutter, Cycle, Distance, Feed, Length, Mirror, Motion as Kind, Offset, Polar, Rotation,
+            Scaling, Shift, Transformation, Unit,
+        };
+        let mut needs = BTreeSet::from([Kind, Cutter]);
+        if dialect != Dialect::Heidenhain {
+            // G53 does without a work offset, and `check` asks for it before the first motion all the same: a first block
+            // states it.
+            needs.extend([Unit, Distance, Offset, Feed, Length, Cycle]);
+        }
+        if self.once != Some(Once::MachineCoordinates) {
+            match dialect {
+                Dialect::Fanuc => needs.extend([Rotation, Polar, Scaling]),
+                Dialect::LinuxCnc => {}
+                Dialect::Siemens => needs.extend([Shift, Transformation]),
+                Dialect::Heidenhain => needs.extend([Shift, Mirror, Rotation, Scaling]),
+            }
         }
         if matches!(self.motion, Motion::Arc(_)) {
             needs.insert(Unstated::Plane);

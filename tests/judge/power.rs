@@ -21,10 +21,16 @@ pub(crate) enum Unstated {
     Cutter,
     Length,
     Cycle,
-    /// G68, G16, G51: options of a Fanuc.
+    /// G68, G16, G51: options of a Fanuc; cycles 10 and 11 of a TNC.
     Rotation,
     Polar,
     Scaling,
+    /// TRANS of a Siemens, cycle 7 of a TNC.
+    Shift,
+    /// TRAORI of a Siemens.
+    Transformation,
+    /// Cycle 8 of a TNC.
+    Mirror,
     /// A parameter of a Fanuc: X10 is 10 um or 10 mm.
     Point,
     /// What another work offset than that of the test holds.
@@ -32,9 +38,17 @@ pub(crate) enum Unstated {
 }
 
 impl Unstated {
-    /// Only some Fanucs can do it.
+    /// Only some controls can do it, and some refuse the word that ends it: its lack is a warning.
     pub(crate) fn is_option(self) -> bool {
-        matches!(self, Self::Rotation | Self::Polar | Self::Scaling)
+        matches!(
+            self,
+            Self::Rotation
+                | Self::Polar
+                | Self::Scaling
+                | Self::Shift
+                | Self::Transformation
+                | Self::Mirror
+        )
     }
 }
 

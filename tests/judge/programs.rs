@@ -1,9 +1,9 @@
-//! Programs to put faults in: planned ones, in chords and in arcs, on several machines, in both dialects.
+//! Programs to put faults in: planned ones, in chords and in arcs, on several machines, in all dialects.
 
 use std::path::Path as FilePath;
 
 use ballbar::design::PlannedProgram;
-use ballbar::machine::Machine;
+use ballbar::machine::{Dialect, Machine};
 use ballbar::nc::{self, Checked, Reading, Severity, Sphere};
 use ballbar::plan::Test;
 
@@ -103,6 +103,8 @@ pub(crate) fn programs() -> Vec<Program> {
             ("fanuc", "sequence_step = 10"),
             ("linuxcnc", "sequence_step = 0"),
             ("fanuc", "sequence_step = 0\nmemory_kb = 6.0"),
+            ("siemens", "sequence_step = 0"),
+            ("heidenhain", "decimals = 3"),
         ] {
             let machine = machine(file, dialect, keys);
             for (index, plan) in plans.iter().enumerate() {
@@ -112,10 +114,10 @@ pub(crate) fn programs() -> Vec<Program> {
                 program.name = format!("{file} {dialect} {keys:?} plan {index}");
                 if (4..7).contains(&index) && keys.ends_with('0') && !keys.contains("memory") {
                     let by_radius = index % 2 == 0;
-                    let text = in_arcs(&program.text, program.setting.length_mm, by_radius);
+                    let text = in_arcs(&program.text, &program.setting, by_radius);
                     // The plane that the first blocks state is not stated again, if nothing else was.
-                    let changes = text.contains("G18 G0") || text.contains("G19 G0");
-                    let text = if changes { text } else { text.replace("G17 G0", "G0") };
+                    let changes = text.contains("\nG18 ") || text.contains("\nG19 ");
+                    let text = if changes { text } else { text.replace("\nG17 ", "\n") };
                     programs.push(Program {
                         name: format!("{} in arcs", program.name),
                         text,
@@ -134,12 +136,13 @@ pub(crate) fn programs() -> Vec<Program> {
 
 /// The same program with arcs in the place of chords. Every run of chords must be an arc in a coordinate plane about the
 /// zero; a whole turn, and what has no radius, is written by its centre.
-fn in_arcs(text: &str, length_mm: f64, by_radius: bool) -> String {
+fn in_arcs(text: &str, setting: &Setting, by_radius: bool) -> String {
+    let length_mm = setting.length_mm;
     let mut lines: Vec<String> = Vec::new();
     let mut at = [0.0_f64; 3];
     let mut chords: Vec<[f64; 3]> = Vec::new();
     for line in text.lines() {
-        let chord = line.starts_with("G01 X") || line.starts_with('X');
+        let chord = ["X", "G01 X", "G1 X"].iter().any(|words| line.starts_with(words));
         let point = point_of(line);
         match point {
             Some(point) if chord && on_sphere(&point, length_mm) && on_sphere(&at, length_mm) => {
@@ -150,7 +153,7 @@ fn in_arcs(text: &str, length_mm: f64, by_radius: bool) -> String {
             }
             _ => {
                 if !chords.is_empty() {
-                    lines.push(arc_of(&chords, length_mm, by_radius));
+                    lines.push(arc_of(&chords, setting, by_radius));
                     chords.clear();
                 }
                 lines.push(line.to_owned());
@@ -174,19 +177,22 @@ fn point_of(line: &str) -> Option<[f64; 3]> {
     Some([of('X')?, of('Y')?, of('Z')?])
 }
 
-fn arc_of(chords: &[[f64; 3]], length_mm: f64, by_radius: bool) -> String {
+fn arc_of(chords: &[[f64; 3]], setting: &Setting, by_radius: bool) -> String {
     let (first, last) = (chords[0], chords[chords.len() - 1]);
     let flat = |k: &usize| chords.iter().all(|point| point[*k].abs() < 1e-9);
     let normal = (0..3).find(flat).expect("an arc in a coordinate plane");
     let (u, v) = ((normal + 1) % 3, (normal + 2) % 3);
     let sense = first[u] * chords[1][v] - first[v] * chords[1][u];
-    let motion = if sense > 0.0 { "G03" } else { "G02" };
+    let siemens = setting.dialect == Dialect::Siemens;
+    let senses = if siemens { ["G2", "G3"] } else { ["G02", "G03"] };
+    let motion = senses[usize::from(sense > 0.0)];
     let plane = ["G19", "G18", "G17"][normal];
     let end = format!("X{:.3} Y{:.3} Z{:.3}", last[0], last[1], last[2]);
     let closed = first.iter().zip(&last).all(|(a, b)| (a - b).abs() < 1e-9);
     if by_radius && !closed {
         // Half a turn and less; a little more than the chord asks for.
-        return format!("{plane} {motion} {end} R{length_mm:.3}");
+        let letter = if siemens { "CR=" } else { "R" };
+        return format!("{plane} {motion} {end} {letter}{:.3}", setting.length_mm);
     }
     let letters = ["I", "J", "K"];
     let (a, b) = (letters[u.min(v)], letters[u.max(v)]);

@@ -40,6 +40,11 @@ impl Setting {
         }
     }
 
+    /// Each axis may position at its own rapid traverse.
+    pub(crate) fn bends(&self) -> bool {
+        matches!(self.dialect, Dialect::Fanuc | Dialect::Siemens)
+    }
+
     /// The bar is never shorter than this, mm. Balls, sockets and the holder behind the tool ball are all within it, or
     /// there would be no bar: with the bar off, nothing of a test feeds nearer to the workpiece ball.
     pub(crate) fn shortest_mm(&self) -> f64 {

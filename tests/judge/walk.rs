@@ -144,9 +144,8 @@ impl<'a> Walk<'a> {
         }
         let (mut least_mm, most_mm) = reach_mm(&corners, centre_mm);
         if motion.rapid {
-            let bends = self.setting.dialect == ballbar::machine::Dialect::Fanuc;
             let straight_mm = reach_mm(&[from, to], centre_mm).0;
-            least_mm = if bends { least_mm.min(straight_mm) } else { straight_mm };
+            least_mm = if self.setting.bends() { least_mm.min(straight_mm) } else { straight_mm };
             if !back {
                 self.positions(motion.line, least_mm);
             }
@@ -171,7 +170,7 @@ impl<'a> Walk<'a> {
         let Some(bodies) = &self.setting.bodies else { return };
         let centre_mm = self.setting.centre_mm;
         let mut near = bodies.along(corners, centre_mm);
-        if motion.rapid && self.setting.dialect == ballbar::machine::Dialect::LinuxCnc {
+        if motion.rapid && !self.setting.bends() {
             near = bodies.along(&straight, centre_mm);
         } else if motion.rapid {
             near = near.max(bodies.along(&straight, centre_mm));

@@ -4,6 +4,9 @@
 
 use ballbar::machine::Dialect;
 
+use crate::modal::Motion;
+use crate::{klartext, siemens};
+
 /// A letter and its number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Word {
@@ -13,6 +16,29 @@ pub(crate) struct Word {
     pub(crate) point: bool,
 }
 
+/// What Siemens and Klartext say in words of their own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Spoken {
+    Motion(Motion),
+    /// By its normal.
+    Plane(usize),
+    /// Inches, when true.
+    Unit(bool),
+    MachineCoordinates,
+    Dwell,
+    /// What they end.
+    NoRadius,
+    NoLength,
+    NoCycle,
+    NoShift,
+    NoTransformation,
+    NoMirror,
+    NoRotation,
+    NoScaling,
+    /// How the path is followed, in groups of which each may stand once in a block.
+    Dynamics(u8),
+}
+
 /// A line that says something.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Block {
@@ -20,8 +46,21 @@ pub(crate) struct Block {
     pub(crate) line: usize,
     /// Without N and O.
     pub(crate) words: Vec<Word>,
+    pub(crate) spoken: Vec<Spoken>,
+    /// The centre of an arc, where it is stated by itself.
+    pub(crate) pole: Option<[Option<Word>; 3]>,
     /// What the operator reads.
     pub(crate) comment: String,
+}
+
+impl Block {
+    pub(crate) fn new(line: usize) -> Self {
+        Self { line, words: Vec::new(), spoken: Vec::new(), pole: None, comment: String::new() }
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.words.is_empty() && self.spoken.is_empty() && self.comment.is_empty()
+    }
 }
 
 /// A program of the file, and its number.
@@ -45,6 +84,15 @@ pub(crate) fn refuse<T>(line: usize, what: impl Into<String>) -> Result<T, Refus
 
 /// The programs of a file: the first is the main program.
 pub(crate) fn parts(text: &str, dialect: Dialect) -> Result<Vec<Part>, Refused> {
+    match dialect {
+        Dialect::Siemens => siemens::parts(text),
+        Dialect::Heidenhain => klartext::parts(text),
+        Dialect::Fanuc | Dialect::LinuxCnc => numbered(text, dialect),
+    }
+}
+
+/// Programs with O numbers between two lines `%`.
+fn numbered(text: &str, dialect: Dialect) -> Result<Vec<Part>, Refused> {
     let lines: Vec<&str> = text.lines().collect();
     let marks: Vec<usize> = (0..lines.len()).filter(|&k| lines[k].trim() == "%").collect();
     let &[first, last] = &marks[..] else {
@@ -64,20 +112,27 @@ pub(crate) fn parts(text: &str, dialect: Dialect) -> Result<Vec<Part>, Refused> 
                 parts.push(Part { number: Some(number), blocks: Vec::new() });
             }
         }
-        if let (Some(part), true) = (parts.last_mut(), has_something(&block)) {
+        if let (Some(part), false) = (parts.last_mut(), block.is_empty()) {
             part.blocks.push(block);
         }
     }
     Ok(parts)
 }
 
-fn has_something(block: &Block) -> bool {
-    !block.words.is_empty() || !block.comment.is_empty()
+/// The number at the beginning of a text, whether it has a point, and what stands behind it.
+pub(crate) fn figures(text: &str, line: usize) -> Result<(f64, bool, &str), Refused> {
+    let is_part = |c: char| c.is_ascii_digit() || matches!(c, '.' | '-' | '+');
+    let end = text.find(|c: char| !is_part(c)).unwrap_or(text.len());
+    let (figures, behind) = text.split_at(end);
+    match figures.parse::<f64>().ok().filter(|_| figures.len() <= 16) {
+        Some(value) => Ok((value, figures.contains('.'), behind)),
+        None => refuse(line, format!("`{figures}` is no number")),
+    }
 }
 
 /// The block of a line, and the number of the program that begins in it.
 fn block(text: &str, line: usize, dialect: Dialect) -> Result<(Option<u32>, Block), Refused> {
-    let mut block = Block { line, words: Vec::new(), comment: String::new() };
+    let mut block = Block::new(line);
     let mut number = None;
     let mut rest = text.trim();
     let mut head = true;
@@ -98,30 +153,22 @@ fn block(text: &str, line: usize, dialect: Dialect) -> Result<(Option<u32>, Bloc
         if !letter.is_ascii_alphabetic() || small {
             return refuse(line, format!("`{letter}` begins no word"));
         }
-        let after = rest[1..].trim_start();
-        let is_part = |c: char| c.is_ascii_digit() || matches!(c, '.' | '-' | '+');
-        let end = after.find(|c: char| !is_part(c)).unwrap_or(after.len());
-        let figures = &after[..end];
-        let parsed = figures.parse::<f64>().ok().filter(|_| figures.len() <= 16);
-        let Some(value) = parsed else {
-            return refuse(line, format!("`{figures}` behind {letter} is no number"));
-        };
-        let word =
-            Word { letter: letter.to_ascii_uppercase(), value, point: figures.contains('.') };
+        let (value, point, after) = figures(rest[1..].trim_start(), line)?;
+        let word = Word { letter: letter.to_ascii_uppercase(), value, point };
         match word.letter {
             'N' | 'O' if !head => {
                 return refuse(line, format!("{letter} in the middle of a block"));
             }
             'N' => {
                 let range = if dialect == Dialect::Fanuc { 1.0..=99_999.0 } else { 0.0..=99_999.0 };
-                if word.point || !range.contains(&value) {
-                    return refuse(line, format!("N{figures} is no block number"));
+                if point || !range.contains(&value) {
+                    return refuse(line, format!("N{value} is no block number"));
                 }
                 head = false;
             }
             'O' => {
-                if word.point || !(1.0..=99_999_999.0).contains(&value) {
-                    return refuse(line, format!("O{figures} is no program number"));
+                if point || !(1.0..=99_999_999.0).contains(&value) {
+                    return refuse(line, format!("O{value} is no program number"));
                 }
                 number = Some(value as u32);
                 head = false;
@@ -131,7 +178,7 @@ fn block(text: &str, line: usize, dialect: Dialect) -> Result<(Option<u32>, Bloc
                 block.words.push(word);
             }
         }
-        rest = after[end..].trim_start();
+        rest = after.trim_start();
     }
     Ok((number, block))
 }
