@@ -11,7 +11,7 @@ struct Reader {
     pole: [Option<Word>; 3],
     /// The cycle that is not complete: its number and that of its next block.
     cycle: Option<(u32, u32)>,
-    /// The last line, if it was a comment alone.
+    /// The last comment that is a line: what the operator reads at a stop, as long as nothing has moved since.
     above: String,
 }
 
@@ -46,7 +46,8 @@ pub(crate) fn parts(text: &str) -> Result<Vec<Part>, Refused> {
 impl Reader {
     fn block(&mut self, tokens: &[&str], comment: &str, line: usize) -> Result<(), Refused> {
         let mut block = Block::new(line);
-        let above = std::mem::take(&mut self.above);
+        let moves_or_stops = matches!(tokens, ["L" | "C" | "STOP", ..]);
+        let above = if moves_or_stops { std::mem::take(&mut self.above) } else { String::new() };
         comment.clone_into(&mut block.comment);
         if self.cycle.is_some() && !tokens.is_empty() && !tokens.starts_with(&["CYCL", "DEF"]) {
             return refuse(line, "a cycle that is not complete");
