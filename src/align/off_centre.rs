@@ -7,9 +7,10 @@
 use nalgebra::{Matrix4, Vector3, Vector4};
 
 use super::run::Run;
+use super::samples::{Alignment, Part};
 use super::section;
-use crate::log::Log;
 use crate::motion::{BlockKind, Trajectory};
+use crate::solve;
 
 /// The arc is looked at in so many places.
 const PLACES: usize = 120;
@@ -24,62 +25,82 @@ const LEFT: f64 = 0.05;
 /// In directions that an arc hardly has an offset is not told.
 const FLAT: f64 = 1e-3;
 
+/// A log that was laid over its program leaves so many times less of an arc than where the arc is not.
+const WORSE: f64 = 4.0;
+/// Half of the readings of an arc are larger than this part of its offset.
+const SWINGS: f64 = 0.25;
+
 /// How far off the tool ball stood when the log was taken, where the program means the balls to meet, mm; nothing along what
-/// its longest arc does not show, and `None` where that is not what is wrong.
-pub fn off_centre(run: &Run) -> Option<Vector3<f64>> {
+/// its longest arc does not show, and `None` where that is not what is wrong: where `laid` is how the log lies over the
+/// program, and its readings are those of arcs there.
+pub fn off_centre(run: &Run, laid: Option<&Alignment>) -> Option<Vector3<f64>> {
     let trajectory = Trajectory::new(run.program, run.rig.machine, run.feed_override);
-    let sections = section::sections(&trajectory, &run.rig);
-    let arc = sections.iter().max_by(|a, b| a.duration_s().total_cmp(&b.duration_s()))?;
-    let duration_s = arc.duration_s();
     // Where the bar waits out of its range, an offset by the rest of the way brings it in.
     let waits = trajectory.blocks().iter().filter(|block| block.kind == BlockKind::Stop);
     let beyond = waits
         .map(|block| run.rig.commanded_deviation_mm(&block.start_mm).abs() - run.rig.bar.range_mm);
     let least_mm = beyond.filter(|mm| *mm > 0.0).fold(run.rig.bar.range_mm, f64::min);
+    let read_mm = run.log.readings().iter().filter_map(|reading| reading.deviation_mm);
+    if solve::median(read_mm.map(f64::abs).collect())? < SWINGS * least_mm {
+        return None;
+    }
 
-    let units: Vec<(f64, Vector3<f64>)> = (0..PLACES)
-        .map(|place| {
-            let later_s = duration_s * (place as f64 + 0.5) / PLACES as f64;
-            let position_mm = trajectory.at(arc.start_s + later_s).position_mm;
-            (later_s, run.rig.commanded_mm(&position_mm).normalize())
-        })
-        .collect();
-    let (first, last) = (run.log.readings().first()?, run.log.readings().last()?);
+    let sections = section::sections(&trajectory, &run.rig);
+    let arc = sections.iter().max_by(|a, b| a.duration_s().total_cmp(&b.duration_s()))?;
+    let unit =
+        |program_s: f64| run.rig.commanded_mm(&trajectory.at(program_s).position_mm).normalize();
+    let duration_s = arc.duration_s();
+    let later_s = |place: usize| duration_s * (place as f64 + 0.5) / PLACES as f64;
+    let units: Vec<(f64, Vector3<f64>)> =
+        (0..PLACES).map(|place| (later_s(place), unit(arc.start_s + later_s(place)))).collect();
+    let readings = run.log.readings();
+    let (first, last) = (readings.first()?, readings.last()?);
     let span_s = last.time_s - first.time_s;
     let step_s = (duration_s / STEPS).max(span_s / MOST_TRIES);
-    let tries = (span_s / step_s) as usize;
-    let laid = (0..tries).filter_map(|k| laid(run.log, &units, first.time_s + step_s * k as f64));
-    let best = laid.min_by(|a, b| a.left.total_cmp(&b.left))?;
-    (best.left < LEFT && best.offset_mm.norm() > least_mm).then_some(best.offset_mm)
+    let at = |time_s: f64| {
+        let next = readings.partition_point(|reading| reading.time_s < time_s);
+        readings.get(next).and_then(|reading| reading.deviation_mm)
+    };
+    let tried = (0..(span_s / step_s) as usize).filter_map(|k| {
+        let begins_s = first.time_s + step_s * k as f64;
+        let read = units.iter().map(|(later_s, unit)| Some((*unit, at(begins_s + later_s)?)));
+        Circle::through(read.flatten()).filter(|of| of.readings > READ * PLACES as f64)
+    });
+    let best = tried.min_by(|a, b| a.left.total_cmp(&b.left))?;
+    if best.left > LEFT || best.offset_mm.norm() < least_mm {
+        return None;
+    }
+    let agrees = |laid: &Alignment| {
+        let samples = laid.samples().into_iter();
+        let on_arcs = samples.filter(|sample| matches!(sample.part, Part::Arc(_)));
+        let read = on_arcs.map(|sample| (unit(sample.program_s), sample.deviation_mm));
+        Circle::through(read).is_some_and(|of| of.left < WORSE * best.left)
+    };
+    (!laid.is_some_and(agrees)).then_some(best.offset_mm)
 }
 
-/// An arc laid over a log.
-struct Laid {
+/// Readings as of a circle or a sphere about another centre.
+struct Circle {
     offset_mm: Vector3<f64>,
+    readings: f64,
     /// What is left of the readings, as a part of them.
     left: f64,
 }
 
-fn laid(log: &Log, units: &[(f64, Vector3<f64>)], begins_s: f64) -> Option<Laid> {
-    let readings = log.readings();
-    let (mut normal, mut rhs, mut square) = (Matrix4::zeros(), Vector4::zeros(), 0.0);
-    let mut count = 0.0;
-    for (later_s, unit) in units {
-        let at_s = begins_s + later_s;
-        let next = readings.partition_point(|reading| reading.time_s < at_s);
-        let Some(deviation_mm) = readings.get(next).and_then(|reading| reading.deviation_mm) else {
-            continue;
-        };
-        let row = Vector4::new(unit.x, unit.y, unit.z, 1.0);
-        normal += row * row.transpose();
-        rhs += row * deviation_mm;
-        square += deviation_mm * deviation_mm;
-        count += 1.0;
+impl Circle {
+    /// Through readings (mm), each with its commanded unit vector.
+    fn through(read: impl Iterator<Item = (Vector3<f64>, f64)>) -> Option<Self> {
+        let (mut normal, mut rhs) = (Matrix4::zeros(), Vector4::zeros());
+        let (mut square, mut readings) = (0.0, 0.0);
+        for (unit, deviation_mm) in read {
+            let row = unit.push(1.0);
+            normal += row * row.transpose();
+            rhs += row * deviation_mm;
+            square += deviation_mm * deviation_mm;
+            readings += 1.0;
+        }
+        let solution = normal.svd(true, true).solve(&rhs, FLAT * readings).ok()?;
+        let left_square = (square - solution.dot(&rhs)).max(0.0);
+        Some(Self { offset_mm: solution.xyz(), readings, left: (left_square / square).sqrt() })
     }
-    if count < READ * units.len() as f64 {
-        return None;
-    }
-    let solution = normal.svd(true, true).solve(&rhs, FLAT * count).ok()?;
-    let left_square = (square - solution.dot(&rhs)).max(0.0);
-    Some(Laid { offset_mm: solution.xyz(), left: (left_square / square).sqrt() })
 }

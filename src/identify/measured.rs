@@ -77,10 +77,11 @@ impl MeasuredRun {
                     test.file().display()
                 )));
         }
-        let alignment = align::align(&run).map_err(|error| match align::off_centre(&run) {
-            Some(offset_mm) => self.off_centre(offset_mm),
-            None => error,
-        })?;
+        let alignment = align::align(&run);
+        if let Some(offset_mm) = align::off_centre(&run, alignment.as_ref().ok()) {
+            return Err(self.off_centre(offset_mm));
+        }
+        let alignment = alignment?;
         Ok(RunInput::new(self.name.clone(), self.mounting, bar.length_mm, alignment))
     }
 
