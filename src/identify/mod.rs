@@ -60,6 +60,7 @@ pub use linearised::{LinearSample, Linearised};
 pub use lines::displaced_mm;
 pub use measured::MeasuredRun;
 pub use observability::{Gather, POINTS, POSES, Seen, Sight, TOLERANCE, ideal_poses};
+pub use place::terms;
 pub use prediction::{Prediction, predict, predict_with_prior, rehearse, stated_noise};
 pub use preference::preference;
 pub use record::{Apart, Record};

@@ -33,7 +33,10 @@ pub(super) fn of<'a>(
 }
 
 /// The terms of these names, those of a place where they are asked for.
-pub(super) fn terms(
+///
+/// # Errors
+/// When a name is unknown.
+pub fn terms(
     names: &[String],
     frame: Option<&Arc<LocalFrame>>,
     machine: &Machine,

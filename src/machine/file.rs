@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 use super::axis::Axis;
@@ -17,7 +17,7 @@ use crate::error::{Error, Place, Result};
 use crate::toml_text::{self, FARTHEST_MM, Text, short};
 
 /// Where a slide turns when it has an angular error.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Pivot {
     /// On the moving carriage: `T_motion · T_error`, the order of the paper's Eq. 1.

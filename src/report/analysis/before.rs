@@ -5,6 +5,7 @@ use super::machine_errors::MachineErrors;
 use super::means::MeanResult;
 use super::place::PlaceResult;
 use super::run_facts::RunResult;
+use crate::compensate::{ErrorModel, Stored};
 use crate::diagnose::{Diagnosis, ExtendedModel, Finding};
 use crate::identify::Campaign;
 use crate::machine::Machine;
@@ -27,7 +28,9 @@ impl Analysis {
             Some(by) => (stated.extended(by), (&by.test, &by.machine, &by.campaign)),
             None => (stated, (test, machine, campaign)),
         };
-        Self { diagnosis: Some(facts), ..analysis }.ranked(of, &diagnosis.findings)
+        let error_model = ErrorModel::of(test, machine, campaign, Some(diagnosis));
+        let error_model = error_model.as_ref().map(Stored::of);
+        Self { diagnosis: Some(facts), error_model, ..analysis }.ranked(of, &diagnosis.findings)
     }
 
     /// The same with the features of planes, of the campaign that it was gathered of.

@@ -8,6 +8,7 @@ use super::machine_errors::MachineErrors;
 use super::means::MeanResult;
 use super::place::PlaceResult;
 use super::run_facts::{RunResult, SampleCounts};
+use crate::compensate::Stored;
 use crate::error::{Error, Kind, Result};
 use crate::plan::Record;
 use crate::report::circular::facts::CircularFacts;
@@ -48,6 +49,8 @@ pub struct Analysis {
     pub circular: CircularFacts,
     /// Features of the plane of each circular test, ranked by what repairing them would gain.
     pub ranking: RankingFacts,
+    /// The errors of the machine where it was measured, with their covariance; `None` where `terms` are named.
+    pub error_model: Option<Stored>,
     /// Squareness, scale and reversal errors in people's units, as single coefficients of the paper say them.
     pub machine_errors: MachineErrors,
     /// What the model gets wrong; `None` where nobody looked.

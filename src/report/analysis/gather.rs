@@ -11,6 +11,7 @@ use super::run_facts::{
 };
 use super::{cautions, driven, means, place};
 use crate::align::{Circle, Mark, MarkKind, TimeMap};
+use crate::compensate::{ErrorModel, Stored};
 use crate::identify::{self, Campaign, Estimate, Identification, IdentifiedRun, Record};
 use crate::machine::{Axis, Machine, Pivot};
 use crate::model::{HeldEffect, Parameter};
@@ -32,7 +33,10 @@ const MOST_REJECTED: usize = 300;
 impl Analysis {
     /// Gathers what is told of a campaign.
     pub fn new(test: &Test, machine: &Machine, campaign: &Campaign) -> Self {
-        Self::gathered(test, machine, campaign).ranked((test, machine, campaign), &[])
+        let error_model = ErrorModel::of(test, machine, campaign, None);
+        let gathered =
+            Self::gathered(test, machine, campaign).ranked((test, machine, campaign), &[]);
+        Self { error_model: error_model.as_ref().map(Stored::of), ..gathered }
     }
 
     /// The same without features of planes.
@@ -65,6 +69,7 @@ impl Analysis {
             circular: CircularFacts::new(test, &numbered, &at_the_place),
             ranking: RankingFacts::default(),
             at_the_place,
+            error_model: None,
             machine_errors: MachineErrors::new(machine, &over_repeats),
             repeats,
             over_repeats,

@@ -1,0 +1,22 @@
+//! What the errors of a machine do to a workpiece: the displacement of a tool anywhere, and what follows from it.
+//!
+//! An [`ErrorModel`] is what an analysis says of a machine where it was measured: its parameters with their covariance by the noise
+//! and by all, and the effects that a diagnosis found beside them. It comes from a campaign, or from the `error_model` of an
+//! `analysis.json` that was [read](Analysed::read) back.
+//!
+//! **One rule for signs.** `e = actual - commanded` of the tool *against the workpiece* along the programmed positive
+//! directions. It is taken from the exact chain, where a slide that carries the workpiece has its other sign. What compensates
+//! is `-e`. Positions are machine coordinates.
+
+mod bounds;
+mod error_model;
+mod field;
+mod read;
+mod stored;
+#[cfg(test)]
+mod tests;
+
+pub use error_model::{ErrorModel, Held};
+pub use field::{Displacement, Field, Row, Sigmas};
+pub use read::Analysed;
+pub use stored::Stored;

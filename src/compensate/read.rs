@@ -1,0 +1,99 @@
+//! An analysis read back, with the machine that it is of.
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use super::error_model::ErrorModel;
+use super::stored::Stored;
+use crate::error::{Error, Place, Result};
+use crate::input;
+use crate::machine::Machine;
+use crate::monitor::Past;
+
+#[derive(Deserialize)]
+struct RawAnalysis {
+    machine: RawMachine,
+    #[serde(default)]
+    error_model: Option<Stored>,
+}
+
+#[derive(Deserialize)]
+struct RawMachine {
+    name: String,
+    file: PathBuf,
+    topology: String,
+}
+
+/// An analysis that was written, ready to compute with.
+#[derive(Debug)]
+pub struct Analysed {
+    /// The file.
+    pub file: PathBuf,
+    /// Name of the test.
+    pub test: String,
+    /// What compensation was active when it was measured, as the test file states it.
+    pub compensation: Option<String>,
+    /// The errors of the machine.
+    pub errors: ErrorModel,
+}
+
+impl Analysed {
+    /// Reads an `analysis.json`, and the machine file that it names or another one that is given.
+    ///
+    /// # Errors
+    /// When it is none, when it has no error model or one that cannot be, or when the machine is another one.
+    pub fn read(file: &Path, machine: Option<&Path>) -> Result<Self> {
+        let bytes = input::read(file, "analysis")?;
+        let past = Past::parse(&bytes, file)?;
+        let raw: RawAnalysis = serde_json::from_slice(&bytes).map_err(|error| {
+            Error::input(format!("the errors in this analysis cannot be read: {error}"))
+                .at(Place::line(file, error.line(), ""))
+                .hint(AGAIN)
+        })?;
+        let beside = file.parent().unwrap_or(Path::new("")).join(&raw.machine.file);
+        let named = machine.unwrap_or(&beside);
+        if machine.is_none() && !named.is_file() {
+            return Err(Error::input(format!(
+                "the machine file that this analysis names is not there: {}",
+                named.display()
+            ))
+            .at(Place::file(file))
+            .hint("name it with `--machine FILE`"));
+        }
+        let machine = Machine::read(named)?;
+        raw.machine.is_of(&machine, file)?;
+        let Some(stored) = raw.error_model else {
+            return Err(Error::input("this analysis does not describe the machine where it was measured")
+                .at(Place::file(file))
+                .hint("leave `terms` out of the test file, or write `terms = [\"local\"]`, and analyse it again with this version"));
+        };
+        let errors = stored.of_machine(machine).map_err(|why| {
+            Error::input(format!("the `error_model` of this analysis cannot be: {why}"))
+                .at(Place::file(file))
+                .hint(AGAIN)
+        })?;
+        let Past { test, compensation, .. } = past;
+        Ok(Self { file: file.to_path_buf(), test, compensation, errors })
+    }
+}
+
+const AGAIN: &str = "analyse the test again";
+
+impl RawMachine {
+    /// What was measured on another machine says nothing about this one.
+    fn is_of(&self, machine: &Machine, file: &Path) -> Result<()> {
+        let topology = machine.topology().as_str();
+        if self.name == machine.name() && self.topology == topology {
+            return Ok(());
+        }
+        Err(Error::input(format!(
+            "this analysis is of `{}` ({}), and the machine file is of `{}` ({topology})",
+            self.name,
+            self.topology,
+            machine.name()
+        ))
+        .at(Place::file(file))
+        .hint("give an analysis of this machine, or with `--machine` its own file"))
+    }
+}
