@@ -15,6 +15,7 @@ mod compare;
 mod demo;
 mod design;
 mod diagnose;
+mod errors;
 mod estimate;
 mod history;
 mod identify;
@@ -32,6 +33,7 @@ mod shown_table;
 mod simulate;
 mod stage;
 mod time;
+mod volume;
 
 use std::io::Write as _;
 use std::process::ExitCode;
@@ -68,6 +70,7 @@ const AFTER_HELP: &str = "Examples:
   ballbar compare out/2026-03-02-XY out/2026-04-07-XY
                                                what changed since
   ballbar history out                          a machine over time
+  ballbar volume out/2026-03-02-XYZ            how far the tool is off, anywhere
   ballbar identify test.toml --json | jq .     coefficients for another program
   ballbar reference coincidence_mm             what a key of a file means
 
@@ -95,6 +98,7 @@ enum Command {
     Diagnose(diagnose::Arguments),
     Compare(compare::Arguments),
     History(history::Arguments),
+    Volume(volume::Arguments),
     Design(design::Arguments),
     Blind(blind::Arguments),
     Demo(demo::Arguments),
@@ -125,6 +129,7 @@ impl Command {
             // Where they write, a file may be named.
             | Self::Compare(_)
             | Self::History(_)
+            | Self::Volume(_)
             // What is begun goes to a folder that it checks itself.
             | Self::Init(_)
             | Self::Machines(_)
@@ -187,6 +192,7 @@ impl Cli {
             Command::Diagnose(arguments) => arguments.run(common, talk),
             Command::Compare(arguments) => arguments.run(common, talk),
             Command::History(arguments) => arguments.run(common, talk),
+            Command::Volume(arguments) => arguments.run(common, talk),
             Command::Design(arguments) => arguments.run(common, talk),
             Command::Blind(arguments) => arguments.run(common, talk),
             Command::Demo(arguments) => arguments.run(common, talk),

@@ -11,12 +11,21 @@
 mod bounds;
 mod error_model;
 mod field;
+mod figures;
+mod foretold;
+mod near;
 mod read;
+mod rigid;
 mod stored;
 #[cfg(test)]
 mod tests;
+mod volume;
 
 pub use error_model::{ErrorModel, Held};
 pub use field::{Displacement, Field, Row, Sigmas};
+pub use figures::{Figure, Figures};
+pub use foretold::{Line, LinePoint};
+pub use near::Measured;
 pub use read::Analysed;
 pub use stored::Stored;
+pub use volume::{MOST_POINTS, Node, Volume, VolumeMap};

@@ -39,6 +39,15 @@ pub struct Analysed {
 }
 
 impl Analysed {
+    /// # Errors
+    /// When a machine is not the one that was analysed.
+    pub fn is_of(&self, machine: &Machine) -> Result<()> {
+        let own = &self.errors.machine;
+        is_of([own.name(), own.topology().as_str()], machine, &self.file)
+    }
+}
+
+impl Analysed {
     /// Reads an `analysis.json`, and the machine file that it names or another one that is given.
     ///
     /// # Errors
@@ -62,7 +71,7 @@ impl Analysed {
             .hint("name it with `--machine FILE`"));
         }
         let machine = Machine::read(named)?;
-        raw.machine.is_of(&machine, file)?;
+        is_of([&raw.machine.name, &raw.machine.topology], &machine, file)?;
         let Some(stored) = raw.error_model else {
             return Err(Error::input("this analysis does not describe the machine where it was measured")
                 .at(Place::file(file))
@@ -80,20 +89,16 @@ impl Analysed {
 
 const AGAIN: &str = "analyse the test again";
 
-impl RawMachine {
-    /// What was measured on another machine says nothing about this one.
-    fn is_of(&self, machine: &Machine, file: &Path) -> Result<()> {
-        let topology = machine.topology().as_str();
-        if self.name == machine.name() && self.topology == topology {
-            return Ok(());
-        }
-        Err(Error::input(format!(
-            "this analysis is of `{}` ({}), and the machine file is of `{}` ({topology})",
-            self.name,
-            self.topology,
-            machine.name()
-        ))
-        .at(Place::file(file))
-        .hint("give an analysis of this machine, or with `--machine` its own file"))
+/// What was measured on another machine says nothing about this one.
+fn is_of([name, topology]: [&str; 2], machine: &Machine, file: &Path) -> Result<()> {
+    let other = [machine.name(), machine.topology().as_str()];
+    if other == [name, topology] {
+        return Ok(());
     }
+    Err(Error::input(format!(
+        "this analysis is of `{name}` ({topology}), and the machine file is of `{}` ({})",
+        other[0], other[1]
+    ))
+    .at(Place::file(file))
+    .hint("give an analysis of this machine, or with `--machine` its own file"))
 }

@@ -44,7 +44,6 @@ pub struct Stored {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[expect(clippy::struct_field_names, reason = "the units")]
 struct StoredMounting {
     name: String,
     coincidence_mm: [f64; 3],
@@ -144,7 +143,7 @@ impl Stored {
         let frame = Arc::new(frame);
         let names: Vec<String> = mountings.iter().map(|(name, _)| name.clone()).collect();
         let terms = identify::terms(&self.terms, Some(&frame), &machine, &names)
-            .map_err(|error| error.what.to_string())?;
+            .map_err(|error| error.what.clone())?;
         let mut parameters: Vec<_> = terms.iter().flat_map(|term| term.parameters()).collect();
         let named = parameters.iter().zip(&self.parameters).all(|(own, of)| own.name == of.name);
         if !named || parameters.len() != count {
@@ -202,7 +201,7 @@ impl StoredEffect {
 
     fn checked(&self) -> Checked<Held> {
         let form = match &self.term {
-            Some(term) => Form::Cause(Shape::parse(term).map_err(|error| error.what.to_string())?),
+            Some(term) => Form::Cause(Shape::parse(term).map_err(|error| error.what.clone())?),
             None => Form::Empirical(self.curve()?),
         };
         if self.amplitudes.len() != form.term().parameter_count() {

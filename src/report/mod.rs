@@ -9,6 +9,7 @@
 //! | `plan` | `plan.json`, `plan.html`: what a test will be |
 //! | `comparison` | what changed from one analysis to another |
 //! | `history` | a machine over time |
+//! | `volume` | the map of the volumetric error |
 //! | `design` | a test that was designed |
 //! | `paper` | the paper's tables, computed again |
 //! | `program` | the path of a program and its speed |
@@ -33,6 +34,7 @@ mod plan;
 mod program;
 mod ranked;
 mod text;
+mod volume;
 
 pub use analysis::facts::{
     Analysis, BallBarFacts, Before, Correlation, MachineFacts, MountingFacts, NoiseResult,
@@ -80,3 +82,7 @@ pub use plan::terminal::plan_summary;
 pub use program::html::path_page;
 pub use ranked::facts::{FeatureResult, RankingFacts, RankingResult};
 pub use text::words::list;
+pub use volume::Mapped;
+pub use volume::facts::{volume_csv, volume_json};
+pub use volume::html::volume_page;
+pub use volume::terminal::volume_text;

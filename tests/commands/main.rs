@@ -26,4 +26,5 @@ mod refused;
 mod safe;
 mod settings;
 mod talk;
+mod volume;
 mod work;
