@@ -191,6 +191,7 @@ fn completions_and_man_pages_are_made() {
         "show",
         "simulate",
         "time",
+        "volume",
     ];
     for command in commands {
         assert!(completions.contains(&format!("ballbar,{command})")), "{command}");

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::facts::Analysis;
 use crate::align::{Circle, Part};
-use crate::identify::{Identification, IdentifiedRun};
+use crate::identify::{Apart, Identification, IdentifiedRun};
 use crate::log::Log;
 
 /// One arc of one run. The vectors run along the samples; rejected ones are left out.
@@ -106,7 +106,9 @@ pub(super) fn circles(analysis: &Analysis, identifications: &[Identification]) -
                 let mut last_s = f64::NEG_INFINITY;
                 for record in &run.records {
                     let sample = &record.sample;
+                    // What may be of the feed-in would be a spur beside the circle.
                     if sample.part != Part::Arc(index)
+                        || record.apart == Some(Apart::End)
                         || record.rejected()
                         || !section.is_data(sample.program_s)
                     {
