@@ -25,8 +25,11 @@ const LEFT: f64 = 0.05;
 /// In directions that an arc hardly has an offset is not told.
 const FLAT: f64 = 1e-3;
 
-/// A log that was laid over its program leaves so many times less of an arc than where the arc is not.
+/// Where a log was laid over its program, its arcs leave so many times more than elsewhere in the log if it was laid over wrongly:
+/// of an arc that is laid over the operator's pause some half of the readings are left, of one that is not [`LEFT`] at the most.
 const WORSE: f64 = 4.0;
+/// So many readings tell how large they are.
+const LOOKED_AT: usize = 2000;
 /// Half of the readings of an arc are larger than this part of its offset.
 const SWINGS: f64 = 0.25;
 
@@ -34,18 +37,26 @@ const SWINGS: f64 = 0.25;
 /// its longest arc does not show, and `None` where that is not what is wrong: where `laid` is how the log lies over the
 /// program, and its readings are those of arcs there.
 pub fn off_centre(run: &Run, laid: Option<&Alignment>) -> Option<Vector3<f64>> {
-    let trajectory = Trajectory::new(run.program, run.rig.machine, run.feed_override);
+    let planned;
+    let trajectory = if let Some(laid) = laid {
+        &laid.trajectory
+    } else {
+        planned = Trajectory::new(run.program, run.rig.machine, run.feed_override);
+        &planned
+    };
     // Where the bar waits out of its range, an offset by the rest of the way brings it in.
     let waits = trajectory.blocks().iter().filter(|block| block.kind == BlockKind::Stop);
     let beyond = waits
         .map(|block| run.rig.commanded_deviation_mm(&block.start_mm).abs() - run.rig.bar.range_mm);
     let least_mm = beyond.filter(|mm| *mm > 0.0).fold(run.rig.bar.range_mm, f64::min);
-    let read_mm = run.log.readings().iter().filter_map(|reading| reading.deviation_mm);
-    if solve::median(read_mm.map(f64::abs).collect())? < SWINGS * least_mm {
+    let readings = run.log.readings();
+    let some = readings.iter().step_by(readings.len().div_ceil(LOOKED_AT).max(1));
+    let sizes_mm = some.filter_map(|reading| reading.deviation_mm).map(f64::abs);
+    if solve::median(sizes_mm.collect())? < SWINGS * least_mm {
         return None;
     }
 
-    let sections = section::sections(&trajectory, &run.rig);
+    let sections = section::sections(trajectory, &run.rig);
     let arc = sections.iter().max_by(|a, b| a.duration_s().total_cmp(&b.duration_s()))?;
     let unit =
         |program_s: f64| run.rig.commanded_mm(&trajectory.at(program_s).position_mm).normalize();
@@ -53,7 +64,6 @@ pub fn off_centre(run: &Run, laid: Option<&Alignment>) -> Option<Vector3<f64>> {
     let later_s = |place: usize| duration_s * (place as f64 + 0.5) / PLACES as f64;
     let units: Vec<(f64, Vector3<f64>)> =
         (0..PLACES).map(|place| (later_s(place), unit(arc.start_s + later_s(place)))).collect();
-    let readings = run.log.readings();
     let (first, last) = (readings.first()?, readings.last()?);
     let span_s = last.time_s - first.time_s;
     let step_s = (duration_s / STEPS).max(span_s / MOST_TRIES);

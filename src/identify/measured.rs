@@ -87,7 +87,10 @@ impl MeasuredRun {
 
     /// What is said of balls that stand too far off for the bar's range.
     fn off_centre(&self, offset_mm: Vector3<f64>) -> Error {
-        let parts = Axis::ALL.map(|axis| format!("{axis} {:+.2}", offset_mm[axis.index()]));
+        // What rounds to nothing, its arc does not show.
+        let shown = Axis::ALL.into_iter().filter(|axis| offset_mm[axis.index()].abs() >= 0.005);
+        let parts: Vec<String> =
+            shown.map(|axis| format!("{axis} {:+.2}", offset_mm[axis.index()])).collect();
         Error::new(
             Kind::Mismatch,
             format!(
@@ -98,7 +101,7 @@ impl MeasuredRun {
         )
         .at(Place::file(self.log.file()))
         .hint(
-            "bring the balls together again and set the work offset there, or check `coincidence_mm`; then repeat the run. An axis that this arc does not show reads +0.00",
+            "bring the balls together again and set the work offset there, or check `coincidence_mm`; then repeat the run",
         )
     }
 }
