@@ -74,10 +74,13 @@ impl Grid {
             Class::Single | Class::Two | Class::Outside => SIZE_MM.max(TIMES_NOISE * noise_mm),
             _ => class.size_mm(index, noise_mm),
         });
-        let causes = if class == Class::Outside { outside() } else { drawn() };
+        // Of a cause that is true of the campaign anyway, what was hidden and what was there cannot be judged apart.
+        let true_too = true_too(factors);
+        let mut causes = if class == Class::Outside { outside() } else { drawn() };
+        causes.retain(|cause| !true_too.contains(&cause.id));
         let mut of_effects = chance(Purpose::Effects);
         let hidden = stage.drawn(&course, &causes, class.effects(), size_mm, &mut of_effects)?;
-        let drawn = Drawn { class, index, size_mm, hidden, days, true_too: true_too(factors) };
+        let drawn = Drawn { class, index, size_mm, hidden, days, true_too };
         Ok(trial(&stage, &course, drawn, keep))
     }
 
