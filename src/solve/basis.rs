@@ -1,5 +1,8 @@
 //! What a fit follows of anything: orthonormal directions at its samples.
 
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatRef, Par};
+
 use super::vector::dot;
 
 /// Orthonormal columns `Q` (`m x r`): all that a fit of `r` directions to `m` samples can follow.
@@ -41,16 +44,18 @@ impl Basis {
 
     /// `Q^T c` of several columns in one pass over the rows; an empty column is zero.
     pub fn along(&self, columns: &[&[f64]]) -> Vec<Vec<f64>> {
+        let count = self.rows.len() / self.rank.max(1);
+        let full: Vec<usize> = (0..columns.len()).filter(|k| !columns[*k].is_empty()).collect();
         let mut along = vec![vec![0.0; self.rank]; columns.len()];
-        for (k, row) in self.rows.chunks_exact(self.rank.max(1)).enumerate() {
-            for (along, column) in along.iter_mut().zip(columns) {
-                let c = column.get(k).copied().unwrap_or(0.0);
-                if c != 0.0 {
-                    for (a, q) in along.iter_mut().zip(row) {
-                        *a += c * q;
-                    }
-                }
-            }
+        if full.is_empty() || self.rank == 0 {
+            return along;
+        }
+        let rows = MatRef::from_row_major_slice(&self.rows, count, self.rank);
+        let of = Mat::from_fn(count, full.len(), |i, k| columns[full[k]][i]);
+        let mut product = Mat::zeros(self.rank, full.len());
+        matmul(product.as_mut(), Accum::Replace, rows.transpose(), of, 1.0, Par::Seq);
+        for (k, column) in full.into_iter().enumerate() {
+            along[column].iter_mut().enumerate().for_each(|(row, to)| *to = product[(row, k)]);
         }
         along
     }
