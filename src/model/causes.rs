@@ -1,6 +1,7 @@
 //! The table of all causes.
 
 use super::cause::{Cause, Runs};
+use super::harmonics::MOST_DEGREE;
 use super::key::{AMPLITUDE, DEGREE, Key, MOUNTING, Measure, ORDER, PHASE, RUN};
 use super::law::{Inner, Law, Over, Scale, Start};
 use super::seat::SeatKind;
@@ -242,7 +243,7 @@ pub const CAUSES: &[Cause] = &[
         seat: SeatKind::None,
         keys: &[
             AMPLITUDE_KEY,
-            key(DEGREE, Unit::NONE, [2.0, 8.0]),
+            key(DEGREE, Unit::NONE, [2.0, MOST_DEGREE as f64]),
             or(key(ORDER, Unit::NONE, [-8.0, 8.0]), 0.0),
         ],
         law: Law::Harmonics(inner(DEGREE, None, Start::Whole)),

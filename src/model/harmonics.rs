@@ -1,6 +1,44 @@
 //! Real spherical harmonics.
 
+use std::array::from_fn;
+use std::sync::LazyLock;
+
 use nalgebra::Vector3;
+
+/// The highest degree.
+pub(super) const MOST_DEGREE: usize = 8;
+
+type ByDegreeAndOrder = [[f64; MOST_DEGREE + 1]; MOST_DEGREE + 1];
+
+/// What the recurrence over degree and order multiplies by; worked out once, because it is evaluated at every reading.
+struct Recurrence {
+    /// `P(m, m) / P(m - 1, m - 1)`.
+    diagonal: [f64; MOST_DEGREE + 1],
+    /// `P(l, m) = a (z P(l-1, m) - b P(l-2, m))`, fully normalised.
+    a: ByDegreeAndOrder,
+    b: ByDegreeAndOrder,
+}
+
+static RECURRENCE: LazyLock<Recurrence> = LazyLock::new(|| {
+    let diagonal = |m: usize| {
+        let order = m.max(1) as f64;
+        let doubled = if m == 1 { 2.0 } else { 1.0 };
+        (doubled * (2.0 * order + 1.0) / (2.0 * order)).sqrt()
+    };
+    let a = |l: usize, m: usize| {
+        let (l_squared, m_squared) = ((l * l) as f64, (m * m) as f64);
+        if l > m { ((4.0 * l_squared - 1.0) / (l_squared - m_squared)).sqrt() } else { 0.0 }
+    };
+    let b = |l: usize, m: usize| {
+        let (last, m_squared) = (((l.max(1) - 1) * (l.max(1) - 1)) as f64, (m * m) as f64);
+        ((last - m_squared) / (4.0 * last - 1.0)).max(0.0).sqrt()
+    };
+    Recurrence {
+        diagonal: from_fn(diagonal),
+        a: from_fn(|l| from_fn(|m| a(l, m))),
+        b: from_fn(|l| from_fn(|m| b(l, m))),
+    }
+});
 
 /// The `2 l + 1` harmonics of a degree `l` in a direction, orders `-l ..= l`, each of rms 1 over the sphere.
 ///
@@ -9,25 +47,18 @@ use nalgebra::Vector3;
 /// `sin^m theta` are taken as powers of `x + i y`, so that the poles are places like others.
 pub(super) fn harmonics(degree: usize, direction: &Vector3<f64>, out: &mut [f64]) {
     let (x, y, z) = (direction.x, direction.y, direction.z);
+    let numbers = &*RECURRENCE;
     // sin^m theta (cos m phi, sin m phi), and P(m, m) without it, normalised so that Y has rms 1.
     let (mut cosine, mut sine) = (1.0, 0.0);
     let mut diagonal = 1.0;
     for m in 0..=degree {
         if m > 0 {
             (cosine, sine) = (x * cosine - y * sine, x * sine + y * cosine);
-            let order = m as f64;
-            let doubled = if m == 1 { 2.0 } else { 1.0 };
-            diagonal *= (doubled * (2.0 * order + 1.0) / (2.0 * order)).sqrt();
+            diagonal *= numbers.diagonal[m];
         }
-        // P(l, m) = a (z P(l-1, m) - b P(l-2, m)), fully normalised.
-        let squared = (m * m) as f64;
         let (mut before, mut value) = (0.0, diagonal);
         for l in m + 1..=degree {
-            let l_squared = (l * l) as f64;
-            let a = ((4.0 * l_squared - 1.0) / (l_squared - squared)).sqrt();
-            let last = ((l - 1) * (l - 1)) as f64;
-            let b = ((last - squared) / (4.0 * last - 1.0)).max(0.0).sqrt();
-            (before, value) = (value, a * (z * value - b * before));
+            (before, value) = (value, numbers.a[l][m] * (z * value - numbers.b[l][m] * before));
         }
         out[degree + m] = value * cosine;
         if m > 0 {
