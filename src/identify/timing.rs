@@ -72,6 +72,8 @@ pub(super) const STRIDE_S: f64 = 0.005;
 pub(super) const CUT: f64 = 1.0 / 3.0;
 /// Slides that are taken to follow at once do so within this, s: nothing, but not so much nothing that digits go.
 pub(super) const AT_ONCE_S: f64 = 1e-7;
+/// Half of the time over which the slope of single readings is taken, s.
+const STEP_S: f64 = 2e-3;
 /// Half of the change of the time constant over which its effect is taken, s.
 const FOLLOWING_STEP_S: f64 = 1e-3;
 
@@ -89,12 +91,16 @@ pub(super) fn view(
     let map = &run.alignment.time_map;
     let velocity_mm_s = &sample.motion.velocity_mm_s;
     let late_mm = map.delays_s.component_mul(velocity_mm_s);
-    let predicted = |pose: &Pose| {
+    // What the errors make of the length between the balls.
+    let errs_mm = |pose: &Pose| {
         let length_mm = model.length_mm(values, pose, &sample.motion, run.mounting);
-        match detail {
-            Detail::Full => length_mm - run.nominal_mm,
-            // What a slide is late by is no facet.
-            Detail::Smooth => length_mm - (pose.position_mm + late_mm - coincidence_mm).norm(),
+        length_mm - (pose.position_mm - coincidence_mm).norm()
+    };
+    let commanded_mm = |position_mm: &Vector3<f64>| match detail {
+        Detail::Full => (position_mm - coincidence_mm).norm() - run.nominal_mm,
+        // What a slide is late by is no facet.
+        Detail::Smooth => {
+            (position_mm - coincidence_mm).norm() - (position_mm + late_mm - coincidence_mm).norm()
         }
     };
     // Where facets do not count, long enough to see over them; where they do, short against one, but not
@@ -103,15 +109,25 @@ pub(super) fn view(
     let node_s = run.alignment.node_s();
     let step_s = match detail {
         Detail::Full if node_s > 0.0 => 0.5 * run.alignment.sample_period_s,
-        Detail::Full => 2e-3,
+        Detail::Full => STEP_S,
         Detail::Smooth => 0.2,
     };
     let beside = |sign: f64| {
         let then_s = sample.program_s + sign * step_s;
         let position_mm =
             run.alignment.followed_mm(then_s, sample.block, map.following_s) - late_mm;
-        predicted(&Pose { position_mm, sense: sample.pose.sense })
+        Pose { position_mm, sense: sample.pose.sense }
     };
+    let (before, after) = (beside(-1.0), beside(1.0));
+    let here_mm = errs_mm(&sample.pose);
+    // Errors are smooth over some milliseconds, and the path with its vertices is not.
+    let errs_grow_mm = if step_s <= STEP_S {
+        2.0 * (errs_mm(&after) - here_mm)
+    } else {
+        errs_mm(&after) - errs_mm(&before)
+    };
+    let grows_mm =
+        errs_grow_mm + commanded_mm(&after.position_mm) - commanded_mm(&before.position_mm);
     let ball_mm = sample.pose.position_mm - coincidence_mm;
     let along = ball_mm.try_normalize(f64::EPSILON).unwrap_or_else(Vector3::zeros);
     let followed = |aside_s: f64, following_s: f64| {
@@ -133,10 +149,12 @@ pub(super) fn view(
         Detail::Smooth => 0.0,
     };
     View {
-        residual_mm: sample.deviation_mm - predicted(&sample.pose) - map.cut_mm,
+        residual_mm: sample.deviation_mm
+            - (here_mm + commanded_mm(&sample.pose.position_mm))
+            - map.cut_mm,
         following_mm_s,
         delayed_mm_s: -along.component_mul(velocity_mm_s),
-        speed_mm_s: (beside(1.0) - beside(-1.0)) / (2.0 * step_s),
+        speed_mm_s: grows_mm / (2.0 * step_s),
     }
 }
 
