@@ -1,12 +1,13 @@
 //! Aligned samples as CSV: what was read, where the machine was, and what became of it.
 
-use std::collections::BTreeMap;
 use std::io::Write;
+
+use rayon::prelude::*;
 
 use crate::align::{Alignment, Part, Sample};
 use crate::error::{Error, Kind, Result};
 use crate::identify::{Apart, IdentifiedRun, Record};
-use crate::report::text::numbers::fixed;
+use crate::report::text::numbers::push_fixed;
 
 /// Columns of every sample.
 const ALIGNED: &str = "log_line,log_time_s,program_time_s,time_sigma_ms,place,arc,angle_deg,\
@@ -28,94 +29,115 @@ pub fn write_samples(
     run: &IdentifiedRun,
     before: Option<&IdentifiedRun>,
 ) -> Result<()> {
-    let by_line: Option<BTreeMap<usize, &Record>> =
-        before.map(|before| before.records.iter().map(|r| (r.sample.line, r)).collect());
-    let earlier = |record: &Record| {
-        by_line.as_ref().map_or_else(String::new, |known| {
-            known.get(&record.sample.line).map_or_else(|| ",,".into(), |before| predicted(before))
-        })
+    let mut by_line: Option<Vec<&Record>> = before.map(|before| before.records.iter().collect());
+    if let Some(by_line) = &mut by_line {
+        by_line.sort_by_key(|record| record.sample.line);
+    }
+    let line = |text: &mut String, record: &Record| {
+        aligned(text, &run.alignment, &record.sample);
+        fitted(text, record);
+        if let Some(by_line) = &by_line {
+            match by_line.binary_search_by_key(&record.sample.line, |before| before.sample.line) {
+                Ok(known) => predicted(text, by_line[known]),
+                Err(_) => text.push_str(",,"),
+            }
+        }
     };
-    let lines = run.records.iter();
-    let lines = lines.map(|r| aligned(&run.alignment, &r.sample) + &fitted(r) + &earlier(r));
     let head = if before.is_some() { BEFORE } else { "" };
-    write_lines(out, &format!("{ALIGNED}{FITTED}{head}"), lines)
+    write_lines(out, &format!("{ALIGNED}{FITTED}{head}"), &run.records, &line)
 }
 
 /// Writes every reading of a run that was aligned, without what a fit made of them.
 pub fn write_aligned(out: &mut impl Write, run: &IdentifiedRun) -> Result<()> {
-    let every = run.alignment.every_reading();
-    let lines = every.iter().map(|sample| aligned(&run.alignment, sample));
-    write_lines(out, ALIGNED, lines)
+    let line = |text: &mut String, sample: &Sample| aligned(text, &run.alignment, sample);
+    write_lines(out, ALIGNED, &run.alignment.every_reading(), &line)
 }
 
-fn write_lines(
+/// So many lines are one piece of work.
+const PIECE: usize = 2048;
+/// And so many pieces are in memory at a time.
+const PIECES: usize = 32;
+
+fn write_lines<T: Sync>(
     out: &mut impl Write,
     head: &str,
-    lines: impl Iterator<Item = String>,
+    of: &[T],
+    line: &(dyn Fn(&mut String, &T) + Sync),
 ) -> Result<()> {
-    std::iter::once(head.to_owned()).chain(lines).try_for_each(|line| {
-        writeln!(out, "{line}").map_err(|error| {
+    let text = |piece: &[T]| {
+        let mut text = String::new();
+        for of in piece {
+            line(&mut text, of);
+            text.push('\n');
+        }
+        text
+    };
+    let mut write = |text: &str| {
+        out.write_all(text.as_bytes()).map_err(|error| {
             Error::new(Kind::Output, format!("samples cannot be written: {error}"))
         })
-    })
+    };
+    write(&format!("{head}\n"))?;
+    for pieces in of.chunks(PIECES * PIECE) {
+        let texts: Vec<String> = pieces.par_chunks(PIECE).map(text).collect();
+        texts.iter().try_for_each(|text| write(text))?;
+    }
+    Ok(())
 }
 
-fn aligned(alignment: &Alignment, sample: &Sample) -> String {
-    let (place, arc, angle) = match sample.part {
+fn aligned(text: &mut String, alignment: &Alignment, sample: &Sample) {
+    let ball = sample.pose.position_mm - alignment.coincidence_mm();
+    text.push_str(&sample.line.to_string());
+    number(text, sample.log_s, 6);
+    number(text, sample.program_s, 6);
+    if sample.time_sigma_s.is_finite() {
+        number(text, sample.time_sigma_s * 1e3, 4);
+    } else {
+        text.push(',');
+    }
+    match sample.part {
         Part::Arc(index) => {
             let section = &alignment.sections[index];
-            let ball = sample.pose.position_mm - alignment.coincidence_mm();
-            let angle_deg = section.circle.angle_rad(&ball).to_degrees();
-            ("arc", quoted(&section.name), fixed(angle_deg, 5))
+            text.push_str(",arc,");
+            text.push_str(&quoted(&section.name));
+            number(text, section.circle.angle_rad(&ball).to_degrees(), 5);
         }
-        Part::Ramp => ("ramp", String::new(), String::new()),
-        Part::Dwell => ("dwell", String::new(), String::new()),
-        Part::Stop => ("stop", String::new(), String::new()),
-    };
-    let sigma = if sample.time_sigma_s.is_finite() {
-        fixed(sample.time_sigma_s * 1e3, 4)
-    } else {
-        String::new()
-    };
-    let at = &sample.pose.position_mm;
-    let ball = at - alignment.coincidence_mm();
-    let sense = &sample.pose.sense;
-    [
-        sample.line.to_string(),
-        fixed(sample.log_s, 6),
-        fixed(sample.program_s, 6),
-        sigma,
-        place.to_owned(),
-        arc,
-        angle,
-        fixed(at.x, 6),
-        fixed(at.y, 6),
-        fixed(at.z, 6),
-        fixed(ball.x, 6),
-        fixed(ball.y, 6),
-        fixed(ball.z, 6),
-        fixed(sense.x, 0),
-        fixed(sense.y, 0),
-        fixed(sense.z, 0),
-        fixed(sample.deviation_mm * 1e3, 4),
-    ]
-    .join(",")
+        Part::Ramp => text.push_str(",ramp,,"),
+        Part::Dwell => text.push_str(",dwell,,"),
+        Part::Stop => text.push_str(",stop,,"),
+    }
+    for mm in sample.pose.position_mm.iter().chain(ball.iter()) {
+        number(text, *mm, 6);
+    }
+    for sense in &sample.pose.sense {
+        number(text, *sense, 0);
+    }
+    number(text, sample.deviation_mm * 1e3, 4);
 }
 
-fn predicted(record: &Record) -> String {
-    format!(",{},{}", fixed(record.computed_mm * 1e3, 4), fixed(record.residual_mm * 1e3, 4))
+fn predicted(text: &mut String, record: &Record) {
+    number(text, record.computed_mm * 1e3, 4);
+    number(text, record.residual_mm * 1e3, 4);
 }
 
-fn fitted(record: &Record) -> String {
-    format!(
-        "{},{},{},{},{},{}",
-        predicted(record),
-        fixed(record.weight, 4),
-        u8::from(record.used()),
-        u8::from(record.rejected()),
-        record.whitened.map_or_else(String::new, |whitened| fixed(whitened, 3)),
-        record.apart.map_or("", Apart::word)
-    )
+fn fitted(text: &mut String, record: &Record) {
+    predicted(text, record);
+    number(text, record.weight, 4);
+    for so in [record.used(), record.rejected()] {
+        text.push_str(if so { ",1" } else { ",0" });
+    }
+    match record.whitened {
+        Some(whitened) => number(text, whitened, 3),
+        None => text.push(','),
+    }
+    text.push(',');
+    text.push_str(record.apart.map_or("", Apart::word));
+}
+
+/// A further field.
+fn number(text: &mut String, value: f64, decimals: usize) {
+    text.push(',');
+    push_fixed(text, value, decimals);
 }
 
 /// A field of CSV; the comments of a program may hold commas.

@@ -1,14 +1,25 @@
 //! Numbers as text and as JSON: fixed decimals, never a minus before a zero, never "not a number".
 
+use std::fmt::Write as _;
+
 /// A share that rounds to nothing is told as nothing.
 const NOTHING: f64 = 5e-4;
 
 /// A number with fixed decimals; what rounds to zero has no sign.
 pub(in crate::report) fn fixed(value: f64, decimals: usize) -> String {
-    let text = format!("{value:.decimals$}");
-    match text.strip_prefix('-') {
-        Some(bare) if bare.chars().all(|c| c == '0' || c == '.') => bare.to_owned(),
-        _ => text,
+    let mut text = String::new();
+    push_fixed(&mut text, value, decimals);
+    text
+}
+
+/// The same behind a text.
+pub(in crate::report) fn push_fixed(text: &mut String, value: f64, decimals: usize) {
+    let from = text.len();
+    // Writing to a text does not fail.
+    let _ = write!(text, "{value:.decimals$}");
+    let zero = |bare: &str| bare.chars().all(|c| c == '0' || c == '.');
+    if text[from..].strip_prefix('-').is_some_and(zero) {
+        text.remove(from);
     }
 }
 
