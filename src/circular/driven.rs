@@ -2,11 +2,13 @@
 
 use std::f64::consts::TAU;
 
+use rayon::prelude::*;
+
 use super::draw;
 use super::found::{Found, Way, WayPath};
 use super::passes::{Filter, Pass};
 use super::thresholds::{DRAWS, SAME_FEED, SAME_SPAN_RAD};
-use super::values::{self, OF_BOTH, OF_WAY, Path, row, values_mm};
+use super::values::{OF_BOTH, OF_WAY, Ways, row};
 use crate::align::Circle;
 use crate::error::Result;
 use crate::identify::{Identification, Record};
@@ -49,16 +51,6 @@ impl CircularTest {
     }
 }
 
-/// G(b) of two ways, of one way G, of any readings, mm: each way as angles, rad, and lengths minus the nominal one, mm.
-///
-/// # Errors
-/// When readings are not finite numbers.
-pub fn deviation_mm(ways: &[(&[f64], &[f64])], nominal_mm: f64) -> Result<f64> {
-    let paths: Vec<Path> =
-        ways.iter().map(|&(angle_rad, read_mm)| Path { angle_rad, read_mm }).collect();
-    values::deviation_mm(&paths, nominal_mm)
-}
-
 /// An arc without values.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Untold {
@@ -68,12 +60,20 @@ pub struct Untold {
     pub why: String,
 }
 
-/// The circular tests of runs that were identified together, in the order in which they were driven, and the arcs that
-/// have no values or no way back.
+/// The circular tests of runs that were identified together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Driven {
+    /// In the order in which they were driven.
+    pub tests: Vec<CircularTest>,
+    /// Arcs that have no values or no way back.
+    pub untold: Vec<Untold>,
+}
+
+/// The circular tests of runs that were identified together.
 ///
 /// # Errors
 /// When readings cannot be fitted: numbers that are not finite.
-pub fn of(identification: &Identification) -> Result<(Vec<CircularTest>, Vec<Untold>)> {
+pub fn of(identification: &Identification) -> Result<Driven> {
     let mut passes: Vec<Pass> = Vec::new();
     let mut untold = Vec::new();
     for (number, run) in identification.runs.iter().enumerate() {
@@ -96,7 +96,7 @@ pub fn of(identification: &Identification) -> Result<(Vec<CircularTest>, Vec<Unt
             }
         }
     }
-    let mut tests = Vec::new();
+    let mut driven = Vec::new();
     let mut taken = vec![false; passes.len()];
     for index in 0..passes.len() {
         if taken[index] {
@@ -124,9 +124,10 @@ pub fn of(identification: &Identification) -> Result<(Vec<CircularTest>, Vec<Unt
         let mut ways = vec![pass];
         ways.extend(back.map(|other| &passes[other]));
         ways.sort_by_key(|way| !way.forward);
-        tests.push(test(&ways, identification)?);
+        driven.push(ways);
     }
-    Ok((tests, untold))
+    let tests: Result<_> = driven.par_iter().map(|ways| test(ways, identification)).collect();
+    Ok(Driven { tests: tests?, untold })
 }
 
 /// Whether a way is the way back over another one, with or without the same feed.
@@ -184,28 +185,17 @@ fn test(ways: &[&Pass], identification: &Identification) -> Result<CircularTest>
 
 /// The values as they were read, with what noise does to them where the fit has the path.
 fn found(ways: &[&Pass], identification: &Identification) -> Result<Vec<Found>> {
-    let nominal_mm = ways[0].nominal_mm;
-    let of = |lengths_mm: &[Vec<f64>]| {
-        let paths: Vec<Path> = ways
-            .iter()
-            .zip(lengths_mm)
-            .map(|(way, read_mm)| Path { angle_rad: &way.angle_rad, read_mm })
-            .collect();
-        values_mm(&paths, nominal_mm)
-    };
-    let read_mm: Vec<Vec<f64>> = ways.iter().map(|way| way.read_mm.clone()).collect();
-    let computed_mm: Vec<Vec<f64>> = ways.iter().map(|way| way.computed_mm.clone()).collect();
-    let (values, quiet) = (of(&read_mm)?, of(&computed_mm)?);
+    let on = Ways::of(ways.iter().map(|way| &way.angle_rad[..]), ways[0].nominal_mm);
+    let read_mm: Vec<f64> = ways.iter().flat_map(|way| &way.read_mm).copied().collect();
+    let computed_mm: Vec<f64> = ways.iter().flat_map(|way| &way.computed_mm).copied().collect();
+    let (values, quiet) = (on.values_mm(&read_mm)?, on.values_mm(&computed_mm)?);
     let mut sums = vec![[0.0; 2]; values.len()];
     for number in 0..DRAWS {
-        let noisy: Vec<Vec<f64>> = (0..)
-            .zip(&computed_mm)
-            .map(|(way, path)| {
-                let noise_mm = draw::noise_mm(&identification.noise, path.len(), 2 * number + way);
-                path.iter().zip(noise_mm).map(|(mm, noise)| mm + noise).collect()
-            })
-            .collect();
-        for ((sum, noisy), quiet) in sums.iter_mut().zip(of(&noisy)?).zip(&quiet) {
+        let noise_mm = (0..).zip(ways).flat_map(|(way, pass)| {
+            draw::noise_mm(&identification.noise, pass.computed_mm.len(), 2 * number + way)
+        });
+        let noisy: Vec<f64> = computed_mm.iter().zip(noise_mm).map(|(mm, e)| mm + e).collect();
+        for ((sum, noisy), quiet) in sums.iter_mut().zip(on.values_mm(&noisy)?).zip(&quiet) {
             sum[0] += noisy - quiet;
             sum[1] += (noisy - quiet).powi(2);
         }

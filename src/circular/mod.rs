@@ -31,6 +31,7 @@ mod passes;
 mod thresholds;
 mod values;
 
-pub use driven::{CircularTest, Untold, deviation_mm, of};
+pub use driven::{CircularTest, Driven, Untold, of};
 pub use found::{Found, Way, WayPath};
 pub use passes::Filter;
+pub use values::Ways;

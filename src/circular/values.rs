@@ -4,77 +4,85 @@ use std::f64::consts::TAU;
 
 use super::thresholds::WIDEST_GAP_RAD;
 use crate::error::Result;
-use crate::solve::{by_squares, minimax};
-
-/// A path: angle on the circle, rad, and length minus nominal length, mm, of each point.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Path<'a> {
-    pub(super) angle_rad: &'a [f64],
-    pub(super) read_mm: &'a [f64],
-}
+use crate::solve::MinimaxRows;
 
 /// Numbers of a way: G, G by least squares, F max, F min.
 pub(super) const OF_WAY: usize = 4;
 /// Numbers of both ways: G(b), the same by least squares, D, H.
 pub(super) const OF_BOTH: usize = 4;
 
-/// Readings over a circle, and about where its centre is.
-struct Centred {
-    rows: Vec<Vec<Row>>,
-    /// Length of the path from the centre of the least-squares circle minus nominal radius, mm.
-    radial_mm: Vec<Vec<f64>>,
+/// Where on a circle the readings of one or two ways were taken.
+#[derive(Debug, Clone)]
+pub struct Ways {
+    nominal_mm: f64,
+    ways: Vec<WayRows>,
+    all: MinimaxRows<3>,
 }
 
-impl Centred {
-    fn of(paths: &[Path], nominal_mm: f64) -> Result<Self> {
-        let rows: Vec<Vec<Row>> = paths
-            .iter()
-            .map(|path| path.angle_rad.iter().map(|angle| row(*angle)).collect())
-            .collect();
-        let all_read: Vec<f64> = paths.iter().flat_map(|path| path.read_mm).copied().collect();
-        let [_, x_mm, y_mm] = by_squares(&rows.concat(), &all_read)?;
+/// A way over a circle.
+#[derive(Debug, Clone)]
+struct WayRows {
+    angle_rad: Vec<f64>,
+    rows: Vec<Row>,
+    fit: MinimaxRows<3>,
+}
+
+impl Ways {
+    /// The angles of each way on the circle, rad.
+    pub fn of<'a>(angles_rad: impl IntoIterator<Item = &'a [f64]>, nominal_mm: f64) -> Self {
+        let way = |angle_rad: &[f64]| {
+            let rows: Vec<Row> = angle_rad.iter().map(|angle| row(*angle)).collect();
+            WayRows { angle_rad: angle_rad.to_vec(), fit: MinimaxRows::of(&rows), rows }
+        };
+        let ways: Vec<WayRows> = angles_rad.into_iter().map(way).collect();
+        let all: Vec<Row> = ways.iter().flat_map(|way| &way.rows).copied().collect();
+        Self { nominal_mm, ways, all: MinimaxRows::of(&all) }
+    }
+
+    /// G(b) of two ways, of one way G, mm, of lengths minus the nominal one, mm, way after way.
+    ///
+    /// # Errors
+    /// When there is not a finite number for every angle.
+    pub fn deviation_mm(&self, read_mm: &[f64]) -> Result<f64> {
+        let radial_mm = self.radial_mm(read_mm)?;
+        self.all.fit(&radial_mm).map(|fit| 2.0 * fit.deviation)
+    }
+
+    /// All values of one or two ways, mm: [`OF_WAY`] of each, then of two [`OF_BOTH`] of both.
+    pub(super) fn values_mm(&self, read_mm: &[f64]) -> Result<Vec<f64>> {
+        let all_mm = self.radial_mm(read_mm)?;
+        let mut values = Vec::with_capacity(2 * OF_WAY + OF_BOTH);
+        let (mut of_ways, mut rest) = (Vec::new(), &all_mm[..]);
+        for way in &self.ways {
+            let (radial_mm, others) = rest.split_at(way.rows.len());
+            let [zone_mm, range_mm, _] = zones(&way.fit, &way.rows, radial_mm)?;
+            let [lowest_mm, highest_mm] = ends(radial_mm.iter().copied());
+            values.extend([zone_mm, range_mm, highest_mm, lowest_mm]);
+            of_ways.push((&way.angle_rad[..], radial_mm));
+            rest = others;
+        }
+        if let [one, other] = of_ways[..] {
+            let rows = self.ways.iter().flat_map(|way| &way.rows);
+            let [zone_mm, range_mm, radius_mm] = zones(&self.all, rows, &all_mm)?;
+            values.extend([zone_mm, range_mm, radius_mm, largest_between(one, other)]);
+        }
+        Ok(values)
+    }
+
+    /// Length of the path from the centre of the least-squares circle minus nominal radius, mm.
+    fn radial_mm(&self, read_mm: &[f64]) -> Result<Vec<f64>> {
+        let [_, x_mm, y_mm] = self.all.by_squares(read_mm)?;
         let radial = |(row, read_mm): (&Row, &f64)| {
             let [_, cos, sin] = *row;
             let (along_mm, across_mm) = (x_mm * cos + y_mm * sin, y_mm * cos - x_mm * sin);
-            let length_mm = nominal_mm + read_mm;
+            let length_mm = self.nominal_mm + read_mm;
             ((length_mm - across_mm) * (length_mm + across_mm)).max(0.0).sqrt()
-                - nominal_mm
+                - self.nominal_mm
                 - along_mm
         };
-        let radial_mm = rows
-            .iter()
-            .zip(paths)
-            .map(|(rows, path)| rows.iter().zip(path.read_mm).map(radial).collect())
-            .collect();
-        Ok(Self { rows, radial_mm })
+        let rows = self.ways.iter().flat_map(|way| &way.rows);
+        Ok(rows.zip(read_mm).map(radial).collect())
     }
-
-    /// Of all ways together.
-    fn zones(&self) -> Result<[f64; 3]> {
-        zones(&self.rows.concat(), &self.radial_mm.concat())
-    }
-}
-
-/// G(b) of two ways, G of one, mm.
-pub(super) fn deviation_mm(paths: &[Path], nominal_mm: f64) -> Result<f64> {
-    Centred::of(paths, nominal_mm)?.zones().map(|[zone_mm, ..]| zone_mm)
-}
-
-/// All values of one or two ways, mm: [`OF_WAY`] of each, then of two [`OF_BOTH`] of both.
-pub(super) fn values_mm(paths: &[Path], nominal_mm: f64) -> Result<Vec<f64>> {
-    let centred = Centred::of(paths, nominal_mm)?;
-    let mut values = Vec::with_capacity(2 * OF_WAY + OF_BOTH);
-    for (rows, radial_mm) in centred.rows.iter().zip(&centred.radial_mm) {
-        let [zone_mm, range_mm, _] = zones(rows, radial_mm)?;
-        let [lowest_mm, highest_mm] = ends(radial_mm.iter().copied());
-        values.extend([zone_mm, range_mm, highest_mm, lowest_mm]);
-    }
-    if let ([one, other], [one_mm, other_mm]) = (paths, &centred.radial_mm[..]) {
-        let [zone_mm, range_mm, radius_mm] = centred.zones()?;
-        let apart_mm = largest_between((one.angle_rad, one_mm), (other.angle_rad, other_mm));
-        values.extend([zone_mm, range_mm, radius_mm, apart_mm]);
-    }
-    Ok(values)
 }
 
 type Row = [f64; 3];
@@ -85,10 +93,14 @@ pub(super) fn row(angle_rad: f64) -> Row {
 }
 
 /// Width of the minimum zone, range about the least-squares circle, and that circle's radius minus the nominal one, mm.
-fn zones(rows: &[Row], radial_mm: &[f64]) -> Result<[f64; 3]> {
-    let fit = minimax(rows, radial_mm)?;
+fn zones<'a>(
+    fit: &MinimaxRows<3>,
+    rows: impl IntoIterator<Item = &'a Row>,
+    radial_mm: &[f64],
+) -> Result<[f64; 3]> {
+    let fit = fit.fit(radial_mm)?;
     let left = rows
-        .iter()
+        .into_iter()
         .zip(radial_mm)
         .map(|(row, e)| e - row.iter().zip(&fit.least_squares).map(|(a, x)| a * x).sum::<f64>());
     let [lowest, highest] = ends(left);
@@ -156,8 +168,8 @@ mod tests {
 
     fn both(one: &[f64], other: &[f64]) -> Vec<f64> {
         let angles = angles();
-        let path = |read_mm| Path { angle_rad: &angles, read_mm };
-        values_mm(&[path(one), path(other)], R_MM).unwrap()
+        let ways = Ways::of([&angles[..], &angles], R_MM);
+        ways.values_mm(&[one, other].concat()).unwrap()
     }
 
     fn near(values: &[f64], expected: &[f64], within_mm: f64) {

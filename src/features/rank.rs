@@ -1,24 +1,26 @@
 //! Features of the circular tests of a repeat, the largest fall first.
 
+use rayon::prelude::*;
+
 use super::feature::Feature;
 use super::readings::Readings;
 use super::scene::{Draft, Scene};
 use super::{angles, backlash, found, geometry, servo, volume};
-use crate::circular::{self, CircularTest};
+use crate::circular::CircularTest;
 use crate::diagnose::Finding;
 use crate::error::Result;
 use crate::identify::Campaign;
 use crate::machine::{Axis, Machine};
-use crate::plan::Test;
+use crate::plan::{Plane, Test};
 
 /// A feature that does less than this to every reading does nothing here, mm: a thousandth of what the best bars resolve.
 const NOTHING_MM: f64 = 1e-7;
 
 /// A circular test with the features of its plane.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Ranking {
+pub struct Ranking<'a> {
     /// The test.
-    pub test: CircularTest,
+    pub test: &'a CircularTest,
     /// Those that are told apart from 0 first, the largest fall of the deviation first.
     pub features: Vec<Feature>,
     /// By how much G(b) falls, of one way G, without all those that are not told apart from 0 together, mm.
@@ -33,18 +35,17 @@ pub struct Ranking {
     pub volumetric_mm: Option<f64>,
 }
 
-/// The circular tests of a repeat that lie in coordinate planes, in the order in which they were driven. `findings` are what
-/// the campaign was extended by.
+/// Those of a repeat's circular tests that lie in coordinate planes, in the order in which they were driven. `findings` are
+/// what the campaign was extended by.
 ///
 /// # Errors
 /// When readings cannot be fitted: numbers that are not finite.
-pub fn of(
-    test: &Test,
-    machine: &Machine,
-    campaign: &Campaign,
+pub fn of<'a>(
+    (test, machine, campaign): (&Test, &Machine, &Campaign),
     findings: &[Finding],
     repeat: usize,
-) -> Result<Vec<Ranking>> {
+    tests: &'a [CircularTest],
+) -> Result<Vec<Ranking<'a>>> {
     let (Some(identification), Some(frame)) = (campaign.repeats.get(repeat), &campaign.frame)
     else {
         return Ok(Vec::new());
@@ -52,9 +53,9 @@ pub fn of(
     let model = campaign.model(test, machine, repeat)?;
     let values = identification.values();
     let held = campaign.held.get(repeat).map_or(&[][..], Vec::as_slice);
-    let mut rankings = Vec::new();
-    for test in circular::of(identification)?.0 {
-        let Some((plane, _)) = test.circle.plane() else { continue };
+    let in_planes =
+        tests.par_iter().filter_map(|test| test.circle.plane().map(|(plane, _)| (test, plane)));
+    let of_test = |(test, plane): (&'a CircularTest, Plane)| {
         let scene = Scene {
             model: &model,
             frame,
@@ -69,19 +70,19 @@ pub fn of(
             feed_mm_s: test.feed_mm_s,
             runs: test.ways.iter().map(|way| way.path.run).collect(),
         };
-        rankings.push(ranked(&scene, test)?);
-    }
-    Ok(rankings)
+        ranked(&scene, test)
+    };
+    in_planes.map(of_test).collect()
 }
 
-fn ranked(scene: &Scene, test: CircularTest) -> Result<Ranking> {
+fn ranked<'a>(scene: &Scene, test: &'a CircularTest) -> Result<Ranking<'a>> {
     let mut drafts = geometry::drafts(scene);
     drafts.extend(backlash::drafts(scene));
     drafts.extend(servo::draft(scene));
     drafts.extend(angles::drafts(scene));
     drafts.extend(found::drafts(scene));
     let volume = volume::Volume::of(scene);
-    let readings = Readings::of(scene, &test);
+    let readings = Readings::of(scene, test);
     let as_read = vec![0.0; readings.count()];
     let read_mm = readings.deviation_without_mm(&as_read, 0.0)?;
     let (mut features, mut all_mm, mut untold_mm) = (Vec::new(), as_read.clone(), as_read);

@@ -1,7 +1,7 @@
 //! The readings of a circular test, each with where the machine was while it was taken.
 
 use super::scene::{Column, Scene};
-use crate::circular::{self, CircularTest, WayPath};
+use crate::circular::{CircularTest, WayPath, Ways};
 use crate::error::Result;
 use crate::identify::Apart;
 use crate::model::Situation;
@@ -26,13 +26,14 @@ struct Way {
 /// its time: else nothing says which way the axis went.
 pub(super) struct Readings {
     ways: Vec<Way>,
-    nominal_mm: f64,
+    on: Ways,
 }
 
 impl Readings {
     pub(super) fn of(scene: &Scene, test: &CircularTest) -> Self {
-        let ways = test.ways.iter().map(|of| way(scene, &of.path)).collect();
-        Self { ways, nominal_mm: test.radius_mm }
+        let ways: Vec<Way> = test.ways.iter().map(|of| way(scene, &of.path)).collect();
+        let on = Ways::of(ways.iter().map(|way| &way.angle_rad[..]), test.radius_mm);
+        Self { ways, on }
     }
 
     /// What a feature adds to each reading, mm, way after way.
@@ -71,14 +72,7 @@ impl Readings {
 
     /// G(b), of one way G, if this had been read, mm.
     pub(super) fn deviation_mm(&self, read_mm: &[f64]) -> Result<f64> {
-        let mut rest = read_mm;
-        let mut ways: Vec<(&[f64], &[f64])> = Vec::new();
-        for way in &self.ways {
-            let (of_way, others) = rest.split_at(way.angle_rad.len().min(rest.len()));
-            ways.push((&way.angle_rad, of_way));
-            rest = others;
-        }
-        circular::deviation_mm(&ways, self.nominal_mm)
+        self.on.deviation_mm(read_mm)
     }
 }
 

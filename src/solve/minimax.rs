@@ -51,47 +51,95 @@ pub struct Minimax<const N: usize> {
 /// # Errors
 /// When there are no rows, not as many values, or numbers that are not finite.
 pub fn minimax<const N: usize>(rows: &[[f64; N]], values: &[f64]) -> Result<Minimax<N>> {
-    check(rows, values)?;
-    let columns = Orthonormal::of(rows);
-    let (by_squares, left) = columns.least_squares(values);
-    let scale = left.iter().fold(0.0, |most: f64, e| most.max(e.abs()));
-    let exchange = Exchange {
-        rows: &columns.rows(),
-        columns: columns.of.len(),
-        left: &left,
-        outside: OUTSIDE * scale,
-    };
-    let level = exchange.run();
-    let both: Vec<f64> = by_squares.iter().zip(&level.change).map(|(a, b)| a + b).collect();
-    Ok(Minimax {
-        coefficients: columns.coefficients(&both),
-        deviation: level.deviation,
-        bound: level.bound,
-        reference: level.reference,
-        least_squares: columns.coefficients(&by_squares),
-    })
+    MinimaxRows::of(rows).fit(values)
 }
 
-/// The coefficients of least squares alone.
-///
-/// # Errors
-/// When there are no rows, not as many values, or numbers that are not finite.
-pub fn by_squares<const N: usize>(rows: &[[f64; N]], values: &[f64]) -> Result<[f64; N]> {
-    check(rows, values)?;
-    let columns = Orthonormal::of(rows);
-    Ok(columns.coefficients(&columns.least_squares(values).0))
+/// Rows that are fitted to several values, one after the other.
+#[derive(Debug, Clone)]
+pub struct MinimaxRows<const N: usize> {
+    columns: Orthonormal<N>,
+    /// The orthogonal columns row by row, 0 behind the last.
+    rows: Vec<[f64; N]>,
+    /// Rows that are as independent as there are.
+    independent: Vec<usize>,
+    finite: bool,
 }
 
-fn check<const N: usize>(rows: &[[f64; N]], values: &[f64]) -> Result<()> {
-    let finite = rows.iter().flatten().chain(values).all(|number| number.is_finite());
-    if rows.is_empty() || rows.len() != values.len() || !finite {
-        let what = format!("{} rows with {} finite values have no fit", rows.len(), values.len());
-        return Err(Error::new(Kind::Undetermined, what));
+impl<const N: usize> MinimaxRows<N> {
+    /// What is the same for all values.
+    pub fn of(rows: &[[f64; N]]) -> Self {
+        let columns = Orthonormal::of(rows);
+        let orthogonal = columns.rows();
+        let independent = independent(&orthogonal, columns.of.len());
+        let finite = rows.iter().flatten().all(|number| number.is_finite());
+        Self { columns, rows: orthogonal, independent, finite }
     }
-    Ok(())
+
+    /// The minimax fit of values.
+    ///
+    /// # Errors
+    /// When there are no rows, not as many values, or numbers that are not finite.
+    pub fn fit(&self, values: &[f64]) -> Result<Minimax<N>> {
+        self.check(values)?;
+        let (by_squares, left) = self.columns.least_squares(values);
+        let scale = left.iter().fold(0.0, |most: f64, e| most.max(e.abs()));
+        let exchange = Exchange { of: self, left: &left, outside: OUTSIDE * scale };
+        let level = exchange.run();
+        let both: Vec<f64> = by_squares.iter().zip(&level.change).map(|(a, b)| a + b).collect();
+        Ok(Minimax {
+            coefficients: self.columns.coefficients(&both),
+            deviation: level.deviation,
+            bound: level.bound,
+            reference: level.reference,
+            least_squares: self.columns.coefficients(&by_squares),
+        })
+    }
+
+    /// The coefficients of least squares alone.
+    ///
+    /// # Errors
+    /// When there are no rows, not as many values, or numbers that are not finite.
+    pub fn by_squares(&self, values: &[f64]) -> Result<[f64; N]> {
+        self.check(values)?;
+        Ok(self.columns.coefficients(&self.columns.least_squares(values).0))
+    }
+
+    fn check(&self, values: &[f64]) -> Result<()> {
+        let finite = self.finite && values.iter().all(|number| number.is_finite());
+        let rows = self.rows.len();
+        if rows == 0 || rows != values.len() || !finite {
+            let what = format!("{rows} rows with {} finite values have no fit", values.len());
+            return Err(Error::new(Kind::Undetermined, what));
+        }
+        Ok(())
+    }
+}
+
+/// So many rows that are as independent as there are: each is the longest of what those before it have left.
+fn independent<const N: usize>(rows: &[[f64; N]], count: usize) -> Vec<usize> {
+    if rows.len() <= count {
+        return Vec::new();
+    }
+    let mut left: Vec<[f64; N]> = rows.to_vec();
+    let mut chosen: Vec<usize> = Vec::new();
+    for _ in 0..count {
+        let square = |row: &[f64; N]| dot(row, row);
+        let longest = (0..left.len())
+            .max_by(|a, b| square(&left[*a]).total_cmp(&square(&left[*b])).then(b.cmp(a)));
+        let Some(longest) = longest else { break };
+        chosen.push(longest);
+        let length = square(&left[longest]).sqrt();
+        let unit = left[longest].map(|x| x / length);
+        for row in &mut left {
+            let share = dot(row, &unit);
+            row.iter_mut().zip(&unit).for_each(|(x, u)| *x -= share * u);
+        }
+    }
+    chosen
 }
 
 /// The columns made orthogonal, each with a mean square of 1, so that nothing depends on how they were scaled.
+#[derive(Debug, Clone)]
 struct Orthonormal<const N: usize> {
     /// Orthogonal columns, without dependent ones.
     columns: Vec<Vec<f64>>,
@@ -180,16 +228,14 @@ struct Level {
 
 /// The exchange on what least squares leave.
 struct Exchange<'a, const N: usize> {
-    rows: &'a [[f64; N]],
-    /// How many columns there are.
-    columns: usize,
+    of: &'a MinimaxRows<N>,
     left: &'a [f64],
     outside: f64,
 }
 
 impl<const N: usize> Exchange<'_, N> {
     fn run(&self) -> Level {
-        let columns = self.columns;
+        let columns = self.of.columns.of.len();
         let mut best = Level {
             change: vec![0.0; columns],
             deviation: self.largest(&vec![0.0; columns]).1,
@@ -255,32 +301,19 @@ impl<const N: usize> Exchange<'_, N> {
 
     /// A reference: rows that are as independent as there are, and one more, with the signs of the weights that balance them.
     fn start(&self) -> Option<Vec<(usize, f64)>> {
-        let columns = self.columns;
-        if self.rows.len() <= columns {
+        let (rows, chosen) = (&self.of.rows, &self.of.independent);
+        let columns = chosen.len();
+        if columns < self.of.columns.of.len() {
             return None;
         }
-        let mut left: Vec<[f64; N]> = self.rows.to_vec();
-        let mut chosen: Vec<usize> = Vec::new();
-        for _ in 0..columns {
-            let square = |row: &[f64; N]| dot(row, row);
-            let longest = (0..left.len())
-                .max_by(|a, b| square(&left[*a]).total_cmp(&square(&left[*b])).then(b.cmp(a)))?;
-            chosen.push(longest);
-            let length = square(&left[longest]).sqrt();
-            let unit = left[longest].map(|x| x / length);
-            for row in &mut left {
-                let share = dot(row, &unit);
-                row.iter_mut().zip(&unit).for_each(|(x, u)| *x -= share * u);
-            }
-        }
-        let others = (0..self.rows.len()).filter(|row| !chosen.contains(row));
+        let others = (0..rows.len()).filter(|row| !chosen.contains(row));
         let another = others
             .max_by(|a, b| self.left[*a].abs().total_cmp(&self.left[*b].abs()).then(b.cmp(a)))?;
         // sum_k w_k a_k = - a_another
-        let square = Mat::from_fn(columns, columns, |i, k| self.rows[chosen[k]][i]);
+        let square = Mat::from_fn(columns, columns, |i, k| rows[chosen[k]][i]);
         let inverse = PartialPivLu::new(square.as_ref()).inverse();
         let weight = |k: usize| -> f64 {
-            -(0..columns).map(|i| inverse[(k, i)] * self.rows[another][i]).sum::<f64>()
+            -(0..columns).map(|i| inverse[(k, i)] * rows[another][i]).sum::<f64>()
         };
         let mut weights: Vec<(usize, f64)> =
             chosen.iter().enumerate().map(|(k, row)| (*row, weight(k))).collect();
@@ -303,12 +336,12 @@ impl<const N: usize> Exchange<'_, N> {
     }
 
     fn residual(&self, row: usize, change: &[f64]) -> f64 {
-        self.left[row] - self.rows[row].iter().zip(change).map(|(a, x)| a * x).sum::<f64>()
+        self.left[row] - self.of.rows[row].iter().zip(change).map(|(a, x)| a * x).sum::<f64>()
     }
 
     /// A row of the reference as a column of the dual: that the weights add up to 1, then that they balance.
     fn column(&self, (row, sign): (usize, f64)) -> Vec<f64> {
-        let row = &self.rows[row][..self.columns];
+        let row = &self.of.rows[row][..self.of.columns.of.len()];
         std::iter::once(1.0).chain(row.iter().map(|a| sign * a)).collect()
     }
 

@@ -101,7 +101,7 @@ pub use choice::Choice;
 pub use cholesky::{Cholesky, low_rank_factor};
 pub use least_squares::{Solution, correlation, solve, standard_deviations};
 pub use matrix::Matrix;
-pub use minimax::{Minimax, by_squares, minimax};
+pub use minimax::{Minimax, MinimaxRows, minimax};
 pub use noise::{Autocovariances, NoiseModel};
 pub use null_space::NullDirection;
 pub use robust::{HUBER, Loss, NORMAL_PER_MEDIAN, TUKEY, robust_scale};

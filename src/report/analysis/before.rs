@@ -5,11 +5,14 @@ use super::machine_errors::MachineErrors;
 use super::means::MeanResult;
 use super::place::PlaceResult;
 use super::run_facts::RunResult;
+use crate::circular::{self, Driven};
 use crate::compensate::{ErrorModel, Stored};
 use crate::diagnose::{Diagnosis, ExtendedModel, Finding};
+use crate::error::Result;
 use crate::identify::Campaign;
 use crate::machine::Machine;
 use crate::plan::Test;
+use crate::report::circular::facts::CircularFacts;
 use crate::report::diagnosis::facts::DiagnosisFacts;
 use crate::report::ranked::facts::RankingFacts;
 
@@ -30,14 +33,22 @@ impl Analysis {
         };
         let error_model = ErrorModel::of(test, machine, campaign, Some(diagnosis));
         let error_model = error_model.as_ref().map(Stored::of);
-        Self { diagnosis: Some(facts), error_model, ..analysis }.ranked(of, &diagnosis.findings)
+        Self { diagnosis: Some(facts), error_model, ..analysis }
+            .with_circles(of, &diagnosis.findings)
     }
 
-    /// The same with the features of planes, of the campaign that it was gathered of.
-    pub(super) fn ranked(self, of: (&Test, &Machine, &Campaign), findings: &[Finding]) -> Self {
-        let repeats: Vec<u32> = self.repeats.iter().map(|repeat| repeat.repeat).collect();
-        let ranking = RankingFacts::new(of, &repeats, findings, self.diagnosis.as_ref());
-        Self { ranking, ..self }
+    /// The same with circular tests and the features of planes, of the campaign that it was gathered of.
+    pub(super) fn with_circles(
+        self,
+        of: (&Test, &Machine, &Campaign),
+        findings: &[Finding],
+    ) -> Self {
+        let numbered = self.repeats.iter().map(|repeat| repeat.repeat).zip(&of.2.repeats);
+        let driven: Vec<(u32, Result<Driven>)> =
+            numbered.map(|(number, repeat)| (number, circular::of(repeat))).collect();
+        let circular = CircularFacts::new(of.0, &driven, &self.at_the_place);
+        let ranking = RankingFacts::new(of, &driven, findings, self.diagnosis.as_ref());
+        Self { circular, ranking, ..self }
     }
 
     /// The same test as the extended model has it.

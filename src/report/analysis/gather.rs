@@ -35,11 +35,11 @@ impl Analysis {
     pub fn new(test: &Test, machine: &Machine, campaign: &Campaign) -> Self {
         let error_model = ErrorModel::of(test, machine, campaign, None);
         let gathered =
-            Self::gathered(test, machine, campaign).ranked((test, machine, campaign), &[]);
+            Self::gathered(test, machine, campaign).with_circles((test, machine, campaign), &[]);
         Self { error_model: error_model.as_ref().map(Stored::of), ..gathered }
     }
 
-    /// The same without features of planes.
+    /// The same without circular tests and features of planes.
     pub(super) fn gathered(test: &Test, machine: &Machine, campaign: &Campaign) -> Self {
         let identifications = &campaign.repeats;
         let mut runs = StatedRuns::new(test);
@@ -53,8 +53,6 @@ impl Analysis {
             .collect();
         let over_repeats = means::of(identifications);
         let at_the_place = place::of(test, machine, campaign);
-        let numbered: Vec<(u32, &Identification)> =
-            repeats.iter().map(|repeat| repeat.repeat).zip(identifications).collect();
         let mut analysis = Self {
             format: FORMAT,
             program_version: env!("CARGO_PKG_VERSION"),
@@ -66,7 +64,7 @@ impl Analysis {
             terms: test.estimation().terms.clone(),
             loss: test.estimation().loss,
             minimum_norm: test.estimation().minimum_norm,
-            circular: CircularFacts::new(test, &numbered, &at_the_place),
+            circular: CircularFacts::default(),
             ranking: RankingFacts::default(),
             at_the_place,
             error_model: None,

@@ -1,5 +1,6 @@
 //! What people ask of the machine, at the place of the test, over the repeats.
 
+use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::identify::{self, Answer, Asked, Campaign, IMPLAUSIBLE, Identification, Suspect};
@@ -79,7 +80,7 @@ pub(super) fn of(test: &Test, machine: &Machine, campaign: &Campaign) -> Vec<Pla
     let Some(frame) = &campaign.frame else { return Vec::new() };
     let each: Vec<Vec<Answer>> = campaign
         .repeats
-        .iter()
+        .par_iter()
         .enumerate()
         .filter_map(|(index, repeat)| {
             let model = campaign.model(test, machine, index).ok()?;

@@ -5,7 +5,7 @@
 use serde::Serialize;
 
 /// Circular tests, and what the tolerances of the test file say.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct CircularFacts {
     /// One entry an arc that was driven, both ways together.
     pub tests: Vec<CircularResult>,

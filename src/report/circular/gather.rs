@@ -2,8 +2,8 @@
 
 use super::conformity;
 use super::facts::{CircularFacts, CircularResult, CircularValue, WayResult};
-use crate::circular::{self, CircularTest, Filter, Found};
-use crate::identify::Identification;
+use crate::circular::{CircularTest, Driven, Filter, Found};
+use crate::error::Result;
 use crate::plan::Test;
 use crate::report::analysis::place::PlaceResult;
 use crate::report::text::numbers::{finite, fixed};
@@ -12,14 +12,14 @@ impl CircularFacts {
     /// Gathers the circular tests of repeats, each with its number.
     pub(in crate::report) fn new(
         test: &Test,
-        repeats: &[(u32, &Identification)],
+        repeats: &[(u32, Result<Driven>)],
         at_the_place: &[PlaceResult],
     ) -> Self {
         let mut tests = Vec::new();
         let mut untold: Vec<String> = Vec::new();
-        for (repeat, identification) in repeats {
-            match circular::of(identification) {
-                Ok((of_repeat, without)) => {
+        for (repeat, driven) in repeats {
+            match driven {
+                Ok(Driven { tests: of_repeat, untold: without }) => {
                     tests.extend(of_repeat.iter().map(|of| result(test, *repeat, of)));
                     untold.extend(without.iter().map(|arc| format!("{} {}.", arc.arc, arc.why)));
                 }

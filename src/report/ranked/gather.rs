@@ -2,7 +2,9 @@
 
 use super::facts::{FeatureResult, RankingFacts, RankingResult};
 use super::words;
+use crate::circular::Driven;
 use crate::diagnose::Finding;
+use crate::error::Result;
 use crate::features::{self, Feature, Ranking};
 use crate::identify::Campaign;
 use crate::machine::Machine;
@@ -14,20 +16,22 @@ use crate::report::text::numbers::finite;
 const UM: f64 = 1e3;
 
 impl RankingFacts {
-    /// Gathers the features of a campaign, whose repeats have these numbers; `findings` and `diagnosis` are what it was extended
-    /// by, and what is told of that.
+    /// Gathers the features of a campaign, whose repeats have these numbers and circular tests; `findings` and `diagnosis` are
+    /// what it was extended by, and what is told of that.
     pub(in crate::report) fn new(
-        (test, machine, campaign): (&Test, &Machine, &Campaign),
-        repeats: &[u32],
+        of: (&Test, &Machine, &Campaign),
+        repeats: &[(u32, Result<Driven>)],
         findings: &[Finding],
         diagnosis: Option<&DiagnosisFacts>,
     ) -> Self {
         let mut facts = Self::default();
-        for (index, repeat) in repeats.iter().enumerate() {
-            match features::of(test, machine, campaign, findings, index) {
+        for (index, (repeat, driven)) in repeats.iter().enumerate() {
+            // What could not be fitted is told with the circular tests.
+            let Ok(driven) = driven else { continue };
+            match features::of(of, findings, index, &driven.tests) {
                 Ok(of_repeat) => {
-                    let of = |ranking: &Ranking| result(test, *repeat, ranking, diagnosis);
-                    facts.tests.extend(of_repeat.iter().map(of));
+                    let told = |ranking: &Ranking| result(of.0, *repeat, ranking, diagnosis);
+                    facts.tests.extend(of_repeat.iter().map(told));
                 }
                 Err(error) => facts.untold.push(format!("Repeat {repeat}: {}.", error.what)),
             }
@@ -46,7 +50,7 @@ fn result(
     let not_found = diagnosis.map(|_| words::not_found(&of.features, findings));
     RankingResult {
         repeat,
-        test: circular::words::test_name(&circular::gather::result(test, repeat, &of.test)),
+        test: circular::words::test_name(&circular::gather::result(test, repeat, of.test)),
         deviation: if of.test.bidirectional.is_some() { "G(b)" } else { "G" },
         deviation_um: of.test.deviation().map_or(0.0, |of| of.value_mm * UM),
         volumetric_um: of.volumetric_mm.map(|mm| mm * UM),
