@@ -15,7 +15,7 @@ pub(super) const OF_BOTH: usize = 4;
 #[derive(Debug, Clone)]
 pub struct Ways {
     nominal_mm: f64,
-    ways: Vec<WayRows>,
+    each: Vec<WayRows>,
     all: MinimaxRows<3>,
 }
 
@@ -34,9 +34,9 @@ impl Ways {
             let rows: Vec<Row> = angle_rad.iter().map(|angle| row(*angle)).collect();
             WayRows { angle_rad: angle_rad.to_vec(), fit: MinimaxRows::of(&rows), rows }
         };
-        let ways: Vec<WayRows> = angles_rad.into_iter().map(way).collect();
-        let all: Vec<Row> = ways.iter().flat_map(|way| &way.rows).copied().collect();
-        Self { nominal_mm, ways, all: MinimaxRows::of(&all) }
+        let each: Vec<WayRows> = angles_rad.into_iter().map(way).collect();
+        let all: Vec<Row> = each.iter().flat_map(|way| &way.rows).copied().collect();
+        Self { nominal_mm, each, all: MinimaxRows::of(&all) }
     }
 
     /// G(b) of two ways, of one way G, mm, of lengths minus the nominal one, mm, way after way.
@@ -53,7 +53,7 @@ impl Ways {
         let all_mm = self.radial_mm(read_mm)?;
         let mut values = Vec::with_capacity(2 * OF_WAY + OF_BOTH);
         let (mut of_ways, mut rest) = (Vec::new(), &all_mm[..]);
-        for way in &self.ways {
+        for way in &self.each {
             let (radial_mm, others) = rest.split_at(way.rows.len());
             let [zone_mm, range_mm, _] = zones(&way.fit, &way.rows, radial_mm)?;
             let [lowest_mm, highest_mm] = ends(radial_mm.iter().copied());
@@ -62,7 +62,7 @@ impl Ways {
             rest = others;
         }
         if let [one, other] = of_ways[..] {
-            let rows = self.ways.iter().flat_map(|way| &way.rows);
+            let rows = self.each.iter().flat_map(|way| &way.rows);
             let [zone_mm, range_mm, radius_mm] = zones(&self.all, rows, &all_mm)?;
             values.extend([zone_mm, range_mm, radius_mm, largest_between(one, other)]);
         }
@@ -80,7 +80,7 @@ impl Ways {
                 - self.nominal_mm
                 - along_mm
         };
-        let rows = self.ways.iter().flat_map(|way| &way.rows);
+        let rows = self.each.iter().flat_map(|way| &way.rows);
         Ok(rows.zip(read_mm).map(radial).collect())
     }
 }
