@@ -85,7 +85,9 @@ impl Identification {
         let state = State {
             values: self.values(),
             sigma_mm: self.rms_mm.max(1e-9),
-            correlated: self.correlated,
+            // What is still left of an effect looks like noise that hangs together for long, and readings that count for
+            // little would leave to what is plausible what they tell: here they count for all they are.
+            correlated: 1.0,
             settled: true,
             came_to_rest: true,
             bent: self.left_open.is_some(),

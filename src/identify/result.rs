@@ -90,8 +90,6 @@ pub struct Identification {
     pub condition: f64,
     /// What is confounded, by index of parameter.
     pub null_directions: Vec<NullDirection>,
-    /// By which factor a mean of many neighbouring readings counted as less certain than if they were independent.
-    pub correlated: f64,
     /// The noise.
     pub noise: NoiseModel,
     /// The runs, their time maps refined.
