@@ -9,7 +9,7 @@ use super::class::Class;
 use super::course::Course;
 use super::stage::{Stage, Trace};
 use crate::diagnose::{Finding, Owner, Searched, Separation};
-use crate::model::{Effect, Form, RUN};
+use crate::model::{Effect, Form, RUN, Shape};
 
 /// Correlation of two traces beyond which two effects are the same in the runs at hand.
 const SAME: f64 = 0.999;
@@ -183,19 +183,21 @@ fn grade(
     trace: Option<&Trace>,
 ) -> Grade {
     let Some(shape) = finding.element.shape() else { return Grade::Not };
-    let same_cause = shape.cause == hidden.cause;
-    let same_as_rival =
-        finding.rivals.iter().filter(|rival| rival.separation == Separation::Same).any(|rival| {
-            rival.element.shape().is_some_and(|s| s.cause == hidden.cause && s.seat == hidden.seat)
-        });
-    let moved = || {
-        let mut moved = hidden.clone();
-        moved.seat = shape.seat;
-        let same = |trace: Trace| trace.correlation(of_hidden).abs() > SAME;
-        same_cause && stage.trace(course, &[moved]).is_ok_and(same)
+    // On another seat it is named all the same where, with the hidden numbers, that is the same in these runs.
+    let names = |shape: &Shape| {
+        let on_its_seat = || {
+            let mut moved = hidden.clone();
+            moved.seat = shape.seat;
+            let same = |trace: Trace| trace.correlation(of_hidden).abs() > SAME;
+            stage.trace(course, &[moved]).is_ok_and(same)
+        };
+        shape.cause == hidden.cause && (shape.seat == hidden.seat || on_its_seat())
     };
+    let same_cause = shape.cause == hidden.cause;
+    let rivals = || finding.rivals.iter().filter(|rival| rival.separation == Separation::Same);
+    let rival_names = || rivals().any(|rival| rival.element.shape().is_some_and(names));
     let same_trace = || trace.is_some_and(|trace| trace.correlation(of_hidden) > SAME);
-    if (same_cause && shape.seat == hidden.seat) || same_as_rival || moved() || same_trace() {
+    if names(shape) || rival_names() || same_trace() {
         Grade::Seat
     } else if same_cause {
         Grade::Cause
