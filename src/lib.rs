@@ -28,7 +28,7 @@
 //! | [`features`] | what is wrong in the plane of a circular test, and by how much its deviation falls without it |
 //! | [`paper`] | the paper's tables computed again |
 //! | [`monitor`] | analyses read back: two compared, a machine over time |
-//! | [`compensate`] | what the errors do to a workpiece: the map of the volume |
+//! | [`compensate`] | what the errors do to a workpiece: the map of the volume, a program made right beforehand |
 //! | [`design`] | what a test will see before it is run, and which test sees most |
 //! | [`start`] | a machine file and a test file to begin with |
 //! | [`trial`] | effects hidden at random, diagnosed and judged |

@@ -12,6 +12,7 @@ mod browser;
 mod check;
 mod common;
 mod compare;
+mod correct;
 mod demo;
 mod design;
 mod diagnose;
@@ -99,6 +100,7 @@ enum Command {
     Compare(compare::Arguments),
     History(history::Arguments),
     Volume(volume::Arguments),
+    Correct(correct::Arguments),
     Design(design::Arguments),
     Blind(blind::Arguments),
     Demo(demo::Arguments),
@@ -122,6 +124,7 @@ impl Command {
             | Self::Analyse(_)
             | Self::Diagnose(_)
             | Self::Design(_)
+            | Self::Correct(_)
             | Self::Demo(_) => true,
             Self::Check(_)
             | Self::Time(_)
@@ -193,6 +196,7 @@ impl Cli {
             Command::Compare(arguments) => arguments.run(common, talk),
             Command::History(arguments) => arguments.run(common, talk),
             Command::Volume(arguments) => arguments.run(common, talk),
+            Command::Correct(arguments) => arguments.run(common, talk),
             Command::Design(arguments) => arguments.run(common, talk),
             Command::Blind(arguments) => arguments.run(common, talk),
             Command::Demo(arguments) => arguments.run(common, talk),

@@ -9,6 +9,7 @@
 //! is `-e`. Positions are machine coordinates.
 
 mod bounds;
+mod correct;
 mod error_model;
 mod field;
 mod figures;
@@ -16,16 +17,19 @@ mod foretold;
 mod near;
 mod read;
 mod rigid;
+mod shrink;
 mod stored;
 #[cfg(test)]
 mod tests;
 mod volume;
 
+pub use correct::{Corrected, Correcting, correct};
 pub use error_model::{ErrorModel, Held};
 pub use field::{Displacement, Field, Row, Sigmas};
 pub use figures::{Figure, Figures};
 pub use foretold::{Line, LinePoint};
 pub use near::Measured;
 pub use read::Analysed;
+pub use shrink::Shrunk;
 pub use stored::Stored;
 pub use volume::{MOST_POINTS, Node, Volume, VolumeMap};

@@ -67,11 +67,27 @@ pub(crate) struct Opening {
     pub(crate) to_mm: [Option<f64>; 3],
 }
 
+/// How the coordinates of a step are written.
+#[derive(Debug, Clone, Copy)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a group of words of its own")]
+pub(crate) struct Written {
+    pub(crate) incremental: bool,
+    pub(crate) inch: bool,
+    /// G61 is in force.
+    pub(crate) exact_stop: bool,
+    /// In machine coordinates, G53.
+    pub(crate) machine_coordinates: bool,
+    /// 54 to 59.
+    pub(crate) work_offset: u8,
+}
+
 /// What running a program yields.
 #[derive(Debug)]
 pub(crate) struct Ran {
     /// What the machine does.
     pub(crate) steps: Vec<Step>,
+    /// How each is written.
+    pub(crate) written: Vec<Written>,
     /// What stands between, in order.
     pub(crate) marks: Vec<Mark>,
     /// How it gets from wherever the machine stands to its first move.
@@ -97,9 +113,11 @@ pub(crate) fn run(
         reading,
         grammar: Grammar::of(reading.dialect),
         machine: Machine::new(reading),
+        in_machine_coordinates: false,
         label: 0,
         ran: Ran {
             steps: Vec::with_capacity(listing.blocks.len()),
+            written: Vec::with_capacity(listing.blocks.len()),
             marks: Vec::new(),
             openings: Vec::new(),
             at_first_motion: None,
@@ -117,6 +135,8 @@ struct Runner<'a> {
     reading: &'a Reading,
     grammar: &'static Grammar,
     machine: Machine<'a>,
+    /// The block that is run has G53.
+    in_machine_coordinates: bool,
     /// The last comment that was run through.
     label: usize,
     ran: Ran,
@@ -223,6 +243,14 @@ impl Runner<'_> {
     }
 
     fn step(&mut self, block: &Block, action: Action) {
+        let modal = &self.machine.modal;
+        self.ran.written.push(Written {
+            incremental: modal.incremental,
+            inch: modal.inch,
+            exact_stop: modal.exact_stop,
+            machine_coordinates: self.in_machine_coordinates,
+            work_offset: modal.work_offset,
+        });
         self.ran.steps.push(Step { line: block.line.number, label: self.label, action });
     }
 
@@ -235,6 +263,8 @@ impl Runner<'_> {
             return Ok(Next::Block);
         }
         let command = Command::new(words, &mut self.machine.modal, self.grammar)?;
+        self.in_machine_coordinates =
+            matches!(command.one_shot, Some((Code::MachineCoordinates, _)));
         match command.one_shot {
             Some((Code::Dwell, word)) => {
                 let seconds = dwell(&command, word, &self.grammar.dwell)?;

@@ -176,6 +176,7 @@ fn completions_and_man_pages_are_made() {
         "check",
         "compare",
         "completions",
+        "correct",
         "demo",
         "design",
         "diagnose",

@@ -68,10 +68,15 @@ pub(crate) fn true_mm(
 
 /// A test of a built-in machine, run on one with these errors and analysed.
 pub(crate) fn analysed(machine: &str, errors: &ErrorFunctions, rest: &str) -> Work {
+    repeated(machine, errors, rest, "1")
+}
+
+/// The same, driven so often.
+pub(crate) fn repeated(machine: &str, errors: &ErrorFunctions, rest: &str, repeats: &str) -> Work {
     let work = Work::new();
     let file = project().join(format!("machines/{machine}.toml"));
     let mut scenario =
-        "seed = 5\n[set_up]\nEXt = 0.01\nEYt = -0.02\n[noise]\nwhite_um = 0.1\n[coefficients]\n"
+        "seed = 5\n[set_up]\nEXt = 0.01\nEYt = -0.02\n[noise]\nwhite_um = 0.1\ncorrelated_um = 0.0\n[coefficients]\n"
             .to_owned();
     for of in Coefficient::all().filter(|of| errors.get(*of) != 0.0) {
         let _ = writeln!(scenario, "{of} = {:e}", errors.get(of));
@@ -85,7 +90,17 @@ pub(crate) fn analysed(machine: &str, errors: &ErrorFunctions, rest: &str) -> Wo
         "test.toml",
         format!("name = \"Known\"\nmachine = \"machine.toml\"\n\n[ball_bar]\nlength_mm = 100.0\n\n{rest}"),
     );
-    work.plain(&["simulate", "test.toml", "--scenario", "scenario.toml", "-o", "base"]).done();
+    let simulate = [
+        "simulate",
+        "test.toml",
+        "--scenario",
+        "scenario.toml",
+        "-o",
+        "base",
+        "--repeats",
+        repeats,
+    ];
+    work.plain(&simulate).done();
     work.plain(&["analyse", "base/test.toml", "-o", "base", "--overwrite"]).done();
     work
 }
