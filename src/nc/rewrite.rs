@@ -14,7 +14,7 @@ use super::read::read_at_most;
 use super::reading::Reading;
 use super::run::{self, Written};
 use super::word::{Fault, Word};
-use crate::error::Result;
+use crate::error::{Error, Result};
 
 /// A move of a program, with what its block says around it.
 #[derive(Debug, Clone, Copy)]
@@ -206,7 +206,7 @@ impl<'a> Rewriting<'a> {
     }
 
     /// An error of the block of a move.
-    pub fn refused(&self, of: &Driven, what: String, hint: &str) -> crate::Error {
+    pub fn refused(&self, of: &Driven, what: String, hint: &str) -> Error {
         let at = self.listing.block_of(of.line).map(|block: &Block| block.line);
         let at = at.unwrap_or(Line { number: of.line, start: 0 });
         self.listing.locate(at, Fault::line(what).hint(hint))
