@@ -57,6 +57,7 @@ mod language;
 mod lex;
 mod lines;
 mod listing;
+mod look_ahead;
 mod modal;
 mod position;
 pub mod program;

@@ -1,10 +1,11 @@
 //! Runs a program: block after block, through its subprograms, to its end.
 
-use super::code::{Code, LookAhead, Miscellaneous};
+use super::code::{Code, Miscellaneous};
 use super::command::Command;
 use super::grammar::{Dwell, Grammar};
 use super::lines::Line;
 use super::listing::{Block, Listing, Refuse};
+use super::look_ahead::look_ahead;
 use super::modal::Stated;
 use super::position::{ARC, COORDINATES, Machine, Moved};
 use super::program::{Action, Path, Step};
@@ -395,29 +396,4 @@ fn dwell(command: &Command, word: &Word, written: &Dwell) -> std::result::Result
         return Err(Fault::word(time, what).hint(hint));
     }
     Ok(seconds)
-}
-
-/// A block that switches the look-ahead.
-fn look_ahead(
-    command: &Command,
-    function: LookAhead,
-    word: &Word,
-) -> std::result::Result<(), Fault> {
-    let (letter, on) = (char::from(function.letter), function.on);
-    let name = word.name();
-    let hint = format!(
-        "{name} {letter}{on} switches the look-ahead on, {name} {letter}0 off, each alone in a block"
-    );
-    match command.word(function.letter) {
-        None => Err(Fault::word(word, format!("{name} without {letter}")).hint(hint)),
-        Some(argument) if !matches!(argument.whole(), Some(n) if n == 0 || n == on) => {
-            Err(Fault::word(argument, format!("{name} {} is not known", argument.name()))
-                .hint(hint))
-        }
-        Some(_) if command.len() > 2 => {
-            command.allow_only(Letters::of(&[b'G', function.letter]))?;
-            Err(Fault::word(word, format!("{name} is not alone in its block")).hint(hint))
-        }
-        Some(_) => Ok(()),
-    }
 }
