@@ -9,14 +9,11 @@ use serde_json::json;
 
 use super::check::text_of;
 use super::common::Common;
-use super::errors::numbers;
+use super::errors::{Worth, numbers, worth};
 use super::output::{self, Talk};
 use super::results::Files;
-use crate::compensate::{
-    Analysed, Corrected, Correcting, ErrorModel, Field, Measured, Shrunk, Volume, VolumeMap,
-    correct,
-};
-use crate::error::{Error, Kind, Place, Result};
+use crate::compensate::{Analysed, Corrected, Correcting, Field, Shrunk, correct};
+use crate::error::{Error, Place, Result};
 use crate::machine::Machine;
 use crate::monitor::resolved;
 use crate::nc::{self, Reading, Rewriting, Severity};
@@ -93,17 +90,7 @@ impl Arguments {
         let Ready { analysed, reading, tool_ball_mm, read } = self.ready()?;
         talk.reads(&read);
         let machine = analysed.errors.machine.clone();
-        let before = near_rms_mm(&analysed.errors, tool_ball_mm)?;
-        let (errors, shrunk) = analysed.errors.clone().shrunk();
-        let after = near_rms_mm(&errors, tool_ball_mm)?;
-        if after[0] < after[1] {
-            return Err(Error::new(
-                Kind::Undetermined,
-                format!("the errors of this machine, {:.2} um rms, are smaller than their noise, {:.2} um: there is nothing to correct", 1e3 * after[0], 1e3 * after[1]),
-            )
-            .at(Place::file(&analysed.file))
-            .hint("repeat the test more often, or leave the program as it is"));
-        }
+        let Worth { errors, shrunk, before_mm, after_mm, .. } = worth(&analysed, tool_ball_mm)?;
         let field = Field::new(&errors, tool_ball_mm)?;
         let decimals = machine.controller().decimals;
         let program = Rewriting::of(&text, &self.program, &reading, decimals)?;
@@ -114,13 +101,8 @@ impl Arguments {
         checked(&text, &corrected.text, Path::new(&name), &machine, &reading)?;
         let mut files = Files::of(common, read);
         files.add(name, corrected.text.clone());
-        let told = Told {
-            corrected: &corrected,
-            shrunk,
-            before_mm: before[0],
-            after_mm: after[0],
-            of: &analysed.compensation,
-        };
+        let told =
+            Told { corrected: &corrected, shrunk, before_mm, after_mm, of: &analysed.compensation };
         let json = output::json_text("correct", told.json());
         files.deliver(common.json, talk, &json, &told.text())
     }
@@ -156,14 +138,6 @@ impl Arguments {
         }
         Ok(Ready { analysed, reading, tool_ball_mm, read })
     }
-}
-
-/// The volumetric error where something was measured near, and its noise, mm rms.
-fn near_rms_mm(errors: &ErrorModel, tool_ball_mm: Vector3<f64>) -> Result<[f64; 2]> {
-    let ends_mm = Measured::by(errors).range_mm();
-    let field = Field::new(errors, tool_ball_mm)?;
-    let map = VolumeMap::of(&field, &Volume { ends_mm, points: 5, keep_rigid: false });
-    Ok(map.near.map_or([0.0; 2], |near| [near.rms.value_mm, near.unknown.noise]))
 }
 
 /// `part-corrected.nc` of `part.nc.gz`.

@@ -26,7 +26,10 @@ fn bar_rms_um(work: &Work, samples: &str) -> f64 {
         .filter(|row| ["1", "true", "yes"].contains(&row[used]))
         .map(|row| {
             let number = |k: usize| row[k].parse::<f64>().unwrap();
-            (Vector3::new(number(x), number(y), number(z)).normalize(), number(read) + SAG_UM * 2.0 / 3.0)
+            (
+                Vector3::new(number(x), number(y), number(z)).normalize(),
+                number(read) + SAG_UM * 2.0 / 3.0,
+            )
         })
         .collect();
     assert!(rows.len() > 300, "{}", rows.len());
