@@ -12,6 +12,7 @@ mod browser;
 mod check;
 mod common;
 mod compare;
+mod compensate;
 mod correct;
 mod demo;
 mod design;
@@ -72,6 +73,8 @@ const AFTER_HELP: &str = "Examples:
                                                what changed since
   ballbar history out                          a machine over time
   ballbar volume out/2026-03-02-XYZ            how far the tool is off, anywhere
+  ballbar compensate out/2026-03-02-XYZ --for linuxcnc
+                                               what the control takes, and what it leaves
   ballbar identify test.toml --json | jq .     coefficients for another program
   ballbar reference coincidence_mm             what a key of a file means
 
@@ -100,6 +103,7 @@ enum Command {
     Compare(compare::Arguments),
     History(history::Arguments),
     Volume(volume::Arguments),
+    Compensate(compensate::Arguments),
     Correct(correct::Arguments),
     Design(design::Arguments),
     Blind(blind::Arguments),
@@ -124,6 +128,7 @@ impl Command {
             | Self::Analyse(_)
             | Self::Diagnose(_)
             | Self::Design(_)
+            | Self::Compensate(_)
             | Self::Correct(_)
             | Self::Demo(_) => true,
             Self::Check(_)
@@ -196,6 +201,7 @@ impl Cli {
             Command::Compare(arguments) => arguments.run(common, talk),
             Command::History(arguments) => arguments.run(common, talk),
             Command::Volume(arguments) => arguments.run(common, talk),
+            Command::Compensate(arguments) => arguments.run(common, talk),
             Command::Correct(arguments) => arguments.run(common, talk),
             Command::Design(arguments) => arguments.run(common, talk),
             Command::Blind(arguments) => arguments.run(common, talk),

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::error_model::{ErrorModel, Held};
 use crate::error::Result;
-use crate::machine::{Axis, Mounting, Pose};
+use crate::machine::{Axis, Mounting, Pose, SlideError};
 use crate::model::{Model, Motion};
 use crate::solve::dot;
 
@@ -91,6 +91,16 @@ impl<'a> Field<'a> {
             Mounting { coincidence_mm: pose.position_mm, tool_ball_mm: self.tool_ball_mm };
         let errors = self.model.errors(values, pose, &Motion::REST, self.index);
         self.model.machine().ball_vector_mm(&touching, &pose.position_mm, &errors)
+    }
+
+    /// The six errors of each slide at a pose.
+    pub(super) fn slides(&self, pose: &Pose) -> [SlideError; 3] {
+        self.model.errors(&self.errors.values, pose, &Motion::REST, self.index).slides
+    }
+
+    /// Where the tip of the tool is in the frame of the last slide on the tool side, mm.
+    pub(super) fn tool_ball_mm(&self) -> Vector3<f64> {
+        self.tool_ball_mm
     }
 
     /// The displacement and what it hangs on.

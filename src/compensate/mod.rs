@@ -9,27 +9,36 @@
 //! is `-e`. Positions are machine coordinates.
 
 mod bounds;
+mod compensation;
+mod controls;
 mod correct;
 mod error_model;
 mod field;
 mod figures;
 mod foretold;
+mod left;
 mod near;
 mod read;
 mod rigid;
 mod shrink;
 mod stored;
+mod tables;
 #[cfg(test)]
 mod tests;
 mod volume;
+mod wanted;
 
+pub use compensation::{Compensating, Compensation, LARGEST_MM, OnePoint};
+pub use controls::{Control, Limits, Named, Written};
 pub use correct::{Corrected, Correcting, correct};
 pub use error_model::{ErrorModel, Held};
 pub use field::{Displacement, Field, Row, Sigmas};
 pub use figures::{Figure, Figures};
 pub use foretold::{Line, LinePoint};
+pub use left::{Group, Left, Sizes};
 pub use near::Measured;
 pub use read::Analysed;
 pub use shrink::Shrunk;
 pub use stored::Stored;
+pub use tables::{Column, Grid, SlideTable, Tables, Ways};
 pub use volume::{MOST_POINTS, Node, Volume, VolumeMap};

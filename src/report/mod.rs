@@ -10,6 +10,7 @@
 //! | `comparison` | what changed from one analysis to another |
 //! | `history` | a machine over time |
 //! | `volume` | the map of the volumetric error |
+//! | `compensation` | tables for a control, and what they leave |
 //! | `design` | a test that was designed |
 //! | `paper` | the paper's tables, computed again |
 //! | `program` | the path of a program and its speed |
@@ -23,6 +24,7 @@
 mod analysis;
 mod circular;
 mod comparison;
+mod compensation;
 mod design;
 mod diagnosis;
 mod draw;
@@ -57,6 +59,9 @@ pub use circular::facts::{
 pub use comparison::facts::comparison_json;
 pub use comparison::html::comparison_page;
 pub use comparison::terminal::comparison_text;
+pub use compensation::Compensated;
+pub use compensation::facts::compensation_json;
+pub use compensation::terminal::compensation_text;
 pub use design::facts::{proposal_json, unseen_of};
 pub use design::terminal::proposal_text;
 pub use diagnosis::facts::{DiagnosisFacts, FindingFacts};

@@ -175,6 +175,7 @@ fn completions_and_man_pages_are_made() {
         "blind",
         "check",
         "compare",
+        "compensate",
         "completions",
         "correct",
         "demo",

@@ -5,6 +5,7 @@
 mod begin;
 mod check;
 mod circular;
+mod compensate;
 mod correct;
 mod degrees;
 mod design;

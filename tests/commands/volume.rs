@@ -111,7 +111,7 @@ pub(crate) const VERTICAL: &str = "[[mounting]]\nname = \"A\"\ncoincidence_mm = 
     tool_ball_mm = [0.0, 0.0, -150.0]\n\n[plan]\nstrategy = \"3d6\"\nfeed_mm_min = 1000.0\n";
 
 /// Without the best rigid motion.
-fn rested(at: &[Vector3<f64>], errors: &mut [Vector3<f64>]) {
+pub(crate) fn rested(at: &[Vector3<f64>], errors: &mut [Vector3<f64>]) {
     let middle = at.iter().sum::<Vector3<f64>>() / at.len() as f64;
     let row = |p: &Vector3<f64>, k: usize| {
         let (along, turned) =
@@ -251,7 +251,7 @@ fn a_map_of_an_analysis_is_that_of_its_test_and_its_files_are_documented() {
     }
 }
 
-fn names(value: &Value, told: &mut impl FnMut(&str)) {
+pub(crate) fn names(value: &Value, told: &mut impl FnMut(&str)) {
     match value {
         Value::Object(fields) => fields.iter().for_each(|(name, value)| {
             told(name);
