@@ -14,6 +14,7 @@ mod plan;
 mod program;
 mod scenario;
 mod simulate;
+mod tables;
 mod test;
 mod workbook;
 
@@ -33,7 +34,7 @@ pub struct Target {
 }
 
 /// All of them.
-pub const ALL: [Target; 16] = [
+pub const ALL: [Target; 17] = [
     machine::TARGET,
     test::TARGET,
     scenario::TARGET,
@@ -49,6 +50,7 @@ pub const ALL: [Target; 16] = [
     align::TARGET,
     analysis::TARGET,
     past::TARGET,
+    tables::TARGET,
     files::TARGET,
 ];
 
