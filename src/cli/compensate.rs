@@ -92,6 +92,7 @@ impl Arguments {
             machine: errors.machine.name().to_owned(),
             file,
             active: analysed.compensation.clone(),
+            found: &analysed.found,
             shrunk,
             shrunk_mm: [before_mm, after_mm],
             unknown,

@@ -34,6 +34,8 @@ pub struct Analysed {
     pub test: String,
     /// What compensation was active when it was measured, as the test file states it.
     pub compensation: Option<String>,
+    /// What a diagnosis found, and what each leaves in the residual, mm rms; what hangs on position alone is in the errors.
+    pub found: Vec<(String, f64)>,
     /// The errors of the machine.
     pub errors: ErrorModel,
 }
@@ -82,8 +84,10 @@ impl Analysed {
                 .at(Place::file(file))
                 .hint(AGAIN)
         })?;
-        let Past { test, compensation, .. } = past;
-        Ok(Self { file: file.to_path_buf(), test, compensation, errors })
+        let Past { test, compensation, findings, .. } = past;
+        let found = findings.unwrap_or_default();
+        let found = found.into_iter().map(|of| (of.title, 1e-3 * of.rms_um)).collect();
+        Ok(Self { file: file.to_path_buf(), test, compensation, found, errors })
     }
 }
 

@@ -44,6 +44,7 @@ pub fn compensation_json(told: &Compensated) -> Value {
         "largest_correction_um": um(of.left.taken_mm),
         "groups": groups.collect::<Vec<_>>(),
         "one_point": of.points.iter().map(point).collect::<Vec<_>>(),
+        "found": told.found.iter().map(|(title, mm)| json!({ "title": title, "residual_rms_um": um(*mm) })).collect::<Vec<_>>(),
         "lost": of.written.lost,
         "not_certain": of.written.unsure,
         "load": of.written.load,

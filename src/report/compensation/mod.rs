@@ -17,6 +17,8 @@ pub struct Compensated<'a> {
     pub file: String,
     /// What compensation was active when it was measured, as the test file states it.
     pub active: Option<String>,
+    /// What a diagnosis found, with what each leaves in the residual, mm rms.
+    pub found: &'a [(String, f64)],
     /// What was shrunk because it is smaller than its uncertainty.
     pub shrunk: Shrunk,
     /// The volumetric error where something was measured near, before and after that, mm rms.

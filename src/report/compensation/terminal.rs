@@ -43,7 +43,17 @@ pub fn compensation_text(told: &Compensated) -> String {
     paragraph(
         &mut text,
         "  ",
-        "Errors are actual less commanded of the tool against the workpiece, along the programmed directions. What hangs on speed, on time or on the way since a reversal is in no table: see what `diagnose` found.",
+        "Errors are actual less commanded of the tool against the workpiece, along the programmed directions.",
+    );
+    if !told.found.is_empty() {
+        text.push_str("\nWhat `diagnose` found (um rms of the residual)\n");
+        let rows = told.found.iter().map(|(title, mm)| vec![title.clone(), words::um(*mm)]);
+        text.push_str(&table(&rows.collect::<Vec<_>>(), "lr"));
+    }
+    paragraph(
+        &mut text,
+        "  ",
+        "What hangs on speed, on time or on the way since a reversal is in no table; what hangs on the position of slides alone is in the functions.",
     );
     text
 }
