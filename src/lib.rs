@@ -30,6 +30,7 @@
 //! | [`monitor`] | analyses read back: two compared, a machine over time |
 //! | [`compensate`] | what the errors do to a workpiece: the map of the volume, a program made right beforehand |
 //! | [`design`] | what a test will see before it is run, and which test sees most |
+//! | [`virtual_test`] | a whole test on a virtual machine: programs, logs, truth |
 //! | [`start`] | a machine file and a test file to begin with |
 //! | [`trial`] | effects hidden at random, diagnosed and judged |
 //! | [`report`] | terminal, HTML, JSON, CSV |
@@ -86,6 +87,7 @@ pub mod solve;
 pub mod start;
 mod toml_text;
 pub mod trial;
+pub mod virtual_test;
 mod written;
 
 pub use error::{Error, Result};
