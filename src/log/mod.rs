@@ -18,6 +18,7 @@
 //! What is *not* done here: no sample is dropped, smoothed or interpolated, and the clock is not
 //! trusted to be the machine's. What looks wrong is an error with its line, never a guess.
 
+mod arrays;
 mod b5r;
 #[cfg(test)]
 #[allow(clippy::float_cmp)] // what is read is exact or wrong
