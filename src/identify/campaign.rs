@@ -12,7 +12,7 @@ use super::complete::explicit_terms;
 use super::exchanged;
 use super::fit::identify;
 use super::input::{Options, RunInput};
-use super::measured::MeasuredRun;
+use super::measured::{MeasuredRepeat, MeasuredRun};
 use super::place;
 use super::result::Identification;
 use super::slip::identify_beside_slips;
@@ -46,23 +46,6 @@ const EXCHANGED: f64 = 0.5;
 /// Where each of two runs has the errors of the other, the fit leaves about as much as readings differ from each other; a
 /// tenth of that is suspicion enough.
 const MIXED_UP: f64 = 0.1;
-
-/// The runs of one repeat, as they were measured.
-#[derive(Debug)]
-struct MeasuredRepeat {
-    /// Names of the runs.
-    names: String,
-    /// The runs, or why the files of one cannot be read.
-    runs: Vec<Result<MeasuredRun>>,
-}
-
-impl MeasuredRepeat {
-    fn aligned(&self, test: &Test, machine: &Machine) -> Result<Vec<RunInput>> {
-        let aligned =
-            |run: &Result<MeasuredRun>| run.as_ref().map_err(Clone::clone)?.aligned(test, machine);
-        self.runs.iter().map(aligned).collect()
-    }
-}
 
 /// What becomes of a repeat that cannot be aligned or identified.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -174,6 +157,21 @@ impl Campaign {
         (self.repeats.iter().map(squares).sum::<f64>() / used.max(1) as f64).sqrt()
     }
 
+    /// As [`of`](Self::of), of logs that are in no file: the runs of each repeat.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn of_logs(
+        test: &Test,
+        machine: &Machine,
+        repeats: Vec<Vec<MeasuredRun>>,
+        failure: Failure,
+    ) -> Result<Self> {
+        let measured = Arc::new(MeasuredRepeat::all(repeats));
+        let of = Self::of_repeats(test, machine, Arc::clone(&measured), failure, &|| ());
+        Self::refuse_exchanged(test, machine, &measured, of)
+    }
+
     /// Aligns and identifies repeats that were measured, the runs of each together.
     ///
     /// # Errors
@@ -184,11 +182,7 @@ impl Campaign {
         repeats: Vec<Vec<MeasuredRun>>,
         failure: Failure,
     ) -> Result<Self> {
-        let measured = repeats.into_iter().map(|runs| MeasuredRepeat {
-            names: runs.iter().map(|run| run.name.as_str()).collect::<Vec<_>>().join(", "),
-            runs: runs.into_iter().map(Ok).collect(),
-        });
-        Self::of_repeats(test, machine, Arc::new(measured.collect()), failure, &|| ())
+        Self::of_repeats(test, machine, Arc::new(MeasuredRepeat::all(repeats)), failure, &|| ())
     }
 
     /// The same measurements laid over their programs again, as another test and another machine have

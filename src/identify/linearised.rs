@@ -69,11 +69,13 @@ impl LinearSample {
 }
 
 impl Identification {
-    /// The fit that came out, as a linear problem.
-    ///
-    /// # Errors
-    /// When the fit's rows are not finite.
-    pub fn linearised(&self, model: &Model, options: &Options) -> Result<Linearised> {
+    /// The fit as it came to rest, where readings count with this standard deviation, mm.
+    pub(super) fn at_rest<'a>(
+        &self,
+        model: &'a Model<'a>,
+        options: &'a Options,
+        counts_mm: f64,
+    ) -> Fit<'a> {
         // By the times as they settled, a sample that the fit used may lie just beyond the end of its arc.
         let part = |record: &Record| {
             record.apart.or(match record.sample.part {
@@ -84,9 +86,7 @@ impl Identification {
         let kept = |run: &IdentifiedRun| run.records.iter().map(part).collect();
         let state = State {
             values: self.values(),
-            sigma_mm: self.rms_mm.max(1e-9),
-            // What is still left of an effect looks like noise that hangs together for long, and readings that count for
-            // little would leave to what is plausible what they tell: here they count for all they are.
+            sigma_mm: counts_mm,
             correlated: 1.0,
             settled: true,
             came_to_rest: true,
@@ -101,7 +101,17 @@ impl Identification {
                     .collect(),
             ),
         };
-        let mut fit = Fit::at(model, self.again(), options, state);
+        Fit::at(model, self.again(), options, state)
+    }
+
+    /// The fit that came out, as a linear problem.
+    ///
+    /// # Errors
+    /// When the fit's rows are not finite.
+    pub fn linearised(&self, model: &Model, options: &Options) -> Result<Linearised> {
+        // What is still left of an effect looks like noise that hangs together for long, and readings that count for little
+        // would leave to what is plausible what they tell: here they count for all they are.
+        let mut fit = self.at_rest(model, options, self.rms_mm.max(1e-9));
         fit.columns.unlike = false;
         let solution = fit.solve(&fit.rows()?)?;
         let follows = Follows::of(&fit, &solution);

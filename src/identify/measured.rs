@@ -30,6 +30,31 @@ pub struct MeasuredRun {
     pub source: Arc<nc::Source>,
 }
 
+/// The runs of one repeat, as they were measured.
+#[derive(Debug)]
+pub(super) struct MeasuredRepeat {
+    /// Names of the runs.
+    pub(super) names: String,
+    /// The runs, or why the files of one cannot be read.
+    pub(super) runs: Vec<Result<MeasuredRun>>,
+}
+
+impl MeasuredRepeat {
+    pub(super) fn all(repeats: Vec<Vec<MeasuredRun>>) -> Vec<Self> {
+        let of = |runs: Vec<MeasuredRun>| Self {
+            names: runs.iter().map(|run| run.name.as_str()).collect::<Vec<_>>().join(", "),
+            runs: runs.into_iter().map(Ok).collect(),
+        };
+        repeats.into_iter().map(of).collect()
+    }
+
+    pub(super) fn aligned(&self, test: &Test, machine: &Machine) -> Result<Vec<RunInput>> {
+        let aligned =
+            |run: &Result<MeasuredRun>| run.as_ref().map_err(Clone::clone)?.aligned(test, machine);
+        self.runs.iter().map(aligned).collect()
+    }
+}
+
 impl MeasuredRun {
     /// Reads the files of a run of a test.
     ///

@@ -35,6 +35,7 @@ mod observability;
 mod place;
 mod prediction;
 mod preference;
+mod problem;
 mod record;
 mod remedies;
 mod repeats;
@@ -63,6 +64,7 @@ pub use observability::{Gather, POINTS, POSES, Seen, Sight, TOLERANCE, ideal_pos
 pub use place::terms;
 pub use prediction::{Prediction, predict, predict_with_prior, rehearse, stated_noise};
 pub use preference::preference;
+pub use problem::{About, Problem, Unknown};
 pub use record::{Apart, Record};
 pub use remedies::{Driven, remedies};
 pub use repeats::{Repeat, repeats};

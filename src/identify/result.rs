@@ -90,6 +90,8 @@ pub struct Identification {
     pub condition: f64,
     /// What is confounded, by index of parameter.
     pub null_directions: Vec<NullDirection>,
+    /// Standard deviation that a reading counted with beside what is known otherwise, mm.
+    pub counts_mm: f64,
     /// The noise.
     pub noise: NoiseModel,
     /// The runs, their time maps refined.

@@ -73,6 +73,7 @@ impl Fit<'_> {
             .collect();
         let correlation = solve::correlation(&covariance);
         let options = self.options;
+        let counts_mm = self.state.counts_mm();
         let settled = self.state.settled;
         let machine = self.model.machine();
         let runs = self.identified(&left_mm, &noise);
@@ -84,6 +85,7 @@ impl Fit<'_> {
             left_open,
             effects: None,
             rank: known.rank,
+            counts_mm,
             condition: shared.spectrum().condition_of(shared.rank()),
             null_directions: shared.spectrum().null_directions(shared.rank(), 0.02),
             noise,
@@ -185,7 +187,7 @@ impl Fit<'_> {
     }
 
     /// Stretches of samples of a run that take part, on one arc each, without a gap.
-    fn segments(&self, index: usize) -> Vec<Range<usize>> {
+    pub(super) fn segments(&self, index: usize) -> Vec<Range<usize>> {
         let (run, apart) = (&self.runs[index], &self.state.apart[index]);
         let period_s = run.alignment.sample_period_s;
         residuals::segments(run.samples(), |k| apart[k].is_none(), period_s)
