@@ -1,0 +1,178 @@
+//! A fit for others to solve, and as columns that others can set their own beside.
+
+use ballbar::identify::{self, About};
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays::{Numbers, rows, vector};
+use crate::campaign::Identified;
+use crate::error::work;
+
+/// The least squares that a fit came to rest at.
+#[pyclass(frozen, module = "ballbar")]
+pub(crate) struct Problem {
+    of: Identified,
+    repeat: usize,
+    problem: identify::Problem,
+}
+
+impl Problem {
+    pub(crate) fn new(of: Identified, repeat: usize, problem: identify::Problem) -> Self {
+        Self { of, repeat, problem }
+    }
+
+    fn values(&self, values: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+        let count = self.problem.unknowns().len();
+        let values_given = Numbers::of("values", values, &[Some(count)])?;
+        Ok(values_given.finite(values.py(), "values")?.to_vec())
+    }
+}
+
+#[pymethods]
+impl Problem {
+    #[getter]
+    fn names(&self) -> Vec<String> {
+        self.problem.unknowns().iter().map(|of| of.name.clone()).collect()
+    }
+
+    #[getter]
+    fn units(&self) -> Vec<&'static str> {
+        self.problem.unknowns().iter().map(|of| of.unit).collect()
+    }
+
+    /// Where the fit came to rest.
+    #[getter]
+    fn values_at_rest<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        vector(py, self.problem.unknowns().iter().map(|of| of.value).collect())
+    }
+
+    /// What each residual is about: `reading`, `time` or `plausible`.
+    #[getter]
+    fn about(&self) -> Vec<&'static str> {
+        let word = |about: &About| match about {
+            About::Reading(_) => "reading",
+            About::Time => "time",
+            About::Plausible => "plausible",
+        };
+        self.problem.about().iter().map(word).collect()
+    }
+
+    /// The stretch of neighbouring readings of each reading, whose noise is correlated.
+    #[getter]
+    fn stretch<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        let of = |about: &About| match about {
+            About::Reading(stretch) => Some(*stretch as i64),
+            About::Time | About::Plausible => None,
+        };
+        vector(py, self.problem.about().iter().filter_map(of).collect())
+    }
+
+    /// Standard deviation that each reading counted with.
+    #[getter]
+    fn reading_sigma_um<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        vector(py, self.problem.reading_sigmas_mm().into_iter().map(|mm| 1e3 * mm).collect())
+    }
+
+    /// Observed minus computed at values of the unknowns, in standard deviations.
+    fn residuals<'py>(
+        &self,
+        py: Python<'py>,
+        values: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let values = self.values(values)?;
+        let residuals =
+            work(py, || Ok(self.problem.residuals(&self.of.model(self.repeat)?, &values)))?;
+        Ok(vector(py, residuals))
+    }
+
+    /// Derivatives of the residuals (rows) by the unknowns (columns).
+    fn jacobian<'py>(
+        &self,
+        py: Python<'py>,
+        values: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let values = self.values(values)?;
+        let jacobian =
+            work(py, || Ok(self.problem.jacobian(&self.of.model(self.repeat)?, &values)))?;
+        rows(py, jacobian, values.len())
+    }
+
+    /// Gauss-Newton to where nothing is left to gain; from where the fit came to rest unless values are given.
+    #[pyo3(signature = (values = None))]
+    fn solve<'py>(
+        &self,
+        py: Python<'py>,
+        values: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let values = match values {
+            Some(values) => self.values(values)?,
+            None => self.problem.unknowns().iter().map(|of| of.value).collect(),
+        };
+        let solved = work(py, || self.problem.solve(&self.of.model(self.repeat)?, &values))?;
+        Ok(vector(py, solved))
+    }
+
+    fn __repr__(&self) -> String {
+        let (rows, unknowns) = (self.problem.about().len(), self.problem.unknowns().len());
+        format!("<ballbar.Problem: {rows} residuals, {unknowns} unknowns>")
+    }
+}
+
+/// A fit as orthonormal columns: what a further column explains beside it.
+#[pyclass(frozen, module = "ballbar")]
+pub(crate) struct Linearised {
+    linearised: identify::Linearised,
+}
+
+impl Linearised {
+    pub(crate) fn new(linearised: identify::Linearised) -> Self {
+        Self { linearised }
+    }
+}
+
+#[pymethods]
+impl Linearised {
+    /// What the fit follows at its readings, orthonormal columns.
+    #[getter]
+    fn basis<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let (basis, count) = (&self.linearised.basis, self.linearised.samples.len());
+        let values = (0..count).flat_map(|sample| basis.row(sample).iter().copied()).collect();
+        rows(py, values, basis.rank())
+    }
+
+    /// What the fit leaves, times the root of the weight.
+    #[getter]
+    fn left_um<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let samples = self.linearised.samples.iter();
+        vector(py, samples.map(|sample| 1e3 * sample.left_mm * sample.root_weight).collect())
+    }
+
+    /// Root of the weight of each reading, which columns are multiplied by.
+    #[getter]
+    fn root_weight<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        vector(py, self.linearised.samples.iter().map(|sample| sample.root_weight).collect())
+    }
+
+    /// Number of the arc of each reading, counted over the runs.
+    #[getter]
+    fn arc<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        vector(py, self.linearised.samples.iter().map(|sample| sample.arc as i64).collect())
+    }
+
+    /// Number of the run of each reading.
+    #[getter]
+    fn run<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        vector(py, self.linearised.samples.iter().map(|sample| sample.run as i64).collect())
+    }
+
+    /// Where each reading was taken, a column each.
+    fn columns<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        crate::columns::places(py, self.linearised.samples.iter().map(|s| &s.record.sample))
+    }
+
+    fn __repr__(&self) -> String {
+        let (samples, rank) = (self.linearised.samples.len(), self.linearised.basis.rank());
+        format!("<ballbar.Linearised: {samples} readings, {rank} columns>")
+    }
+}
