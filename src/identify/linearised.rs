@@ -76,14 +76,7 @@ impl Identification {
         options: &'a Options,
         counts_mm: f64,
     ) -> Fit<'a> {
-        // By the times as they settled, a sample that the fit used may lie just beyond the end of its arc.
-        let part = |record: &Record| {
-            record.apart.or(match record.sample.part {
-                Part::Arc(_) => None,
-                _ => Some(Apart::Ramp),
-            })
-        };
-        let kept = |run: &IdentifiedRun| run.records.iter().map(part).collect();
+        let kept = |run: &IdentifiedRun| run.records.iter().map(|record| record.apart).collect();
         let state = State {
             values: self.values(),
             sigma_mm: counts_mm,
@@ -101,7 +94,9 @@ impl Identification {
                     .collect(),
             ),
         };
-        Fit::at(model, self.again(), options, state)
+        let mut fit = Fit::at(model, self.again(), options, state);
+        fit.columns.legs = self.runs.iter().map(|run| run.legs.clone()).collect();
+        fit
     }
 
     /// The fit that came out, as a linear problem.
@@ -112,6 +107,15 @@ impl Identification {
         // What is still left of an effect looks like noise that hangs together for long, and readings that count for little
         // would leave to what is plausible what they tell: here they count for all they are.
         let mut fit = self.at_rest(model, options, self.rms_mm.max(1e-9));
+        // By the times as they settled, a sample that the fit used may lie just beyond the end of its arc.
+        let part = |record: &Record| {
+            record.apart.or(match record.sample.part {
+                Part::Arc(_) => None,
+                _ => Some(Apart::Ramp),
+            })
+        };
+        let within = |run: &IdentifiedRun| run.records.iter().map(part).collect();
+        fit.state.apart = self.runs.iter().map(within).collect();
         fit.columns.unlike = false;
         let solution = fit.solve(&fit.rows()?)?;
         let follows = Follows::of(&fit, &solution);

@@ -38,6 +38,8 @@ pub struct IdentifiedRun {
     pub alignment: Alignment,
     /// When the log was read by its alignment alone, before any fit.
     pub(super) aligned: TimeMap,
+    /// The legs whose offsets were fitted: those that had readings when the fit began.
+    pub(super) legs: Vec<usize>,
     /// Its readings, in order.
     pub records: Vec<Record>,
 }

@@ -213,6 +213,7 @@ impl Fit<'_> {
             .map(|(index, left)| (0..left.len()).map(|k| self.weight(index, k)).collect())
             .collect();
         let State { apart, .. } = self.state;
+        let legs = self.columns.legs;
         let of_run = |(index, run): (usize, RunInput)| {
             let record = |(k, sample): (usize, &Sample)| Record {
                 sample: *sample,
@@ -229,6 +230,7 @@ impl Fit<'_> {
                 nominal_mm: run.nominal_mm,
                 alignment: run.alignment,
                 aligned: run.aligned,
+                legs: legs[index].clone(),
             }
         };
         self.runs.into_iter().enumerate().map(of_run).collect()

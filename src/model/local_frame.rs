@@ -19,7 +19,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use super::coefficient::Component;
-use super::jacobian::Situation;
+use super::jacobian::{Situation, SlideGradient};
 use super::local::{Local, LocalShape};
 use super::motion::Motion;
 use super::term::{Parameter, ParameterId, Term};
@@ -39,8 +39,6 @@ pub struct LocalFrame {
     lever_mm: [Vector3<f64>; 3],
     /// By how much its component `k` grows with the coordinate of slide `k`.
     growth: [Vector3<f64>; 3],
-    /// How far the tool ball of each mounting is from that of the first, mm.
-    tool_mm: Vec<Vector3<f64>>,
 }
 
 impl LocalFrame {
@@ -75,7 +73,6 @@ impl LocalFrame {
             reach_mm,
             lever_mm: Axis::ALL.map(|axis| lever(axis, &middle_mm)),
             growth,
-            tool_mm: mountings.iter().map(|m| m.tool_ball_mm - first.tool_ball_mm).collect(),
         })
     }
 
@@ -87,14 +84,6 @@ impl LocalFrame {
         }
         let u = (pose.position_mm[k] - self.middle_mm[k]) / self.reach_mm[k];
         [u, 1.5 * u * u - 0.5, u * (2.5 * u * u - 1.5), sense]
-    }
-
-    /// What the lever of a slide differs by from the one that it has while the other slides stand at the middle.
-    fn beside_mm(&self, axis: Axis, pose: &Pose, mounting: usize) -> Vector3<f64> {
-        let mut moved =
-            (pose.position_mm - self.middle_mm).component_mul(&self.growth[axis.index()]);
-        moved[axis.index()] = 0.0;
-        moved + self.tool_mm[mounting]
     }
 
     /// The lever of a slide while the other slides stand at the middle, mm.
@@ -157,8 +146,9 @@ impl Term for LocalTerm {
 
     fn columns(&self, at: &Situation, out: &mut [f64]) {
         // `± u` of the slide: minus on the workpiece side.
-        let along = at.slides[self.slide.index()].translation;
-        let turned = self.frame.beside_mm(self.slide, &at.pose, at.mounting).cross(&along);
+        let SlideGradient { translation: along, rotation_mm } = at.slides[self.slide.index()];
+        // What is displaced besides where the other slides stand at the middle; of a machine that is bent, too.
+        let turned = rotation_mm - self.frame.alone_mm(self.slide, &at.pose).cross(&along);
         let basis = self.frame.basis(self.slide, &at.pose);
         for (column, (component, shape)) in out.iter_mut().zip(self.parts()) {
             let one = if component.is_angular() { &turned } else { &along };
