@@ -64,7 +64,7 @@ impl Identified {
     }
 }
 
-/// All repeats of a test, identified.
+/// All repeats of a test, identified; indexing gives an :class:`Identification`.
 #[pyclass(frozen, module = "ballbar")]
 pub(crate) struct Campaign {
     pub(crate) of: Identified,
@@ -97,13 +97,13 @@ impl Campaign {
         self.of.campaign().cautions().into_iter().map(str::to_owned).collect()
     }
 
-    /// How long the library took to identify it, s.
+    /// How long the library took, s; NaN of a campaign that came of a diagnosis.
     #[getter]
     fn elapsed_s(&self) -> f64 {
         self.elapsed_s
     }
 
-    /// What `analysis.json` holds: docs/analysis-schema.md.
+    /// What analysis.json holds: docs/analysis-schema.md.
     fn analysis<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let json = work(py, || {
             let (test, machine, campaign) = (self.of.test(), self.of.machine(), self.of.campaign());

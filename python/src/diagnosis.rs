@@ -15,7 +15,7 @@ pub(crate) struct Diagnosed {
     pub(crate) diagnosis: ballbar::diagnose::Diagnosis,
 }
 
-/// What the model gets wrong, and the campaign with it put right.
+/// What the model gets wrong.
 #[pyclass(frozen, module = "ballbar")]
 pub(crate) struct Diagnosis {
     pub(crate) of: Arc<Diagnosed>,
@@ -29,21 +29,21 @@ impl Diagnosis {
         self.of.diagnosis.nothing_found()
     }
 
-    /// The effects that were found, the largest first, as `simulate(hide=...)` takes them.
+    /// The effects that were found, the largest first, as :func:`simulate` takes them.
     #[getter]
     fn effects(&self) -> Vec<String> {
         let findings = self.of.diagnosis.findings.iter();
         findings.flat_map(|finding| finding.effects.iter().map(ToString::to_string)).collect()
     }
 
-    /// Residual of the model and of the model with what was found, um rms.
+    /// Residual of the model, and of the model with what was found, um rms.
     #[getter]
     fn before_after_um(&self) -> (f64, f64) {
         let verdict = &self.of.diagnosis.verdict;
         (1e3 * verdict.before_mm, 1e3 * verdict.after_mm)
     }
 
-    /// The model with what was found, as `model.toml`.
+    /// The model with what was found, the text of model.toml.
     #[getter]
     fn model(&self) -> String {
         self.of.diagnosis.model_file(&self.of.stated.campaign).to_toml()
@@ -55,13 +55,13 @@ impl Diagnosis {
         Campaign { of: Identified::Extended(Arc::clone(&self.of)), elapsed_s: f64::NAN }
     }
 
-    /// What `ballbar diagnose --json` prints: docs/analysis-schema.md.
+    /// The diagnosis in analysis.json: docs/analysis-schema.md.
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let facts = self.analysis(py)?.get_item("diagnosis")?;
         Ok(facts.map_or_else(|| Ok(PyDict::new(py)), Bound::cast_into)?)
     }
 
-    /// What `analysis.json` of `ballbar analyse` holds: docs/analysis-schema.md.
+    /// What analysis.json of ``ballbar analyse`` holds: docs/analysis-schema.md.
     fn analysis<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let json = work(py, || {
             let Stated { test, machine, campaign } = &*self.of.stated;
@@ -78,7 +78,7 @@ impl Diagnosis {
     }
 }
 
-/// Looks for what the model of a campaign gets wrong.
+/// Look for what the model of a campaign gets wrong.
 #[pyfunction]
 pub(crate) fn diagnose(py: Python<'_>, campaign: &Campaign) -> PyResult<Diagnosis> {
     let Identified::Stated(stated) = &campaign.of else {

@@ -11,7 +11,7 @@ use crate::columns::records;
 use crate::error::work;
 use crate::problem::{Linearised, Problem};
 
-/// One repeat, identified.
+/// One repeat, identified; p parameters, each in the unit that ``units`` has.
 #[pyclass(frozen, module = "ballbar")]
 pub(crate) struct Identification {
     pub(crate) of: Identified,
@@ -44,41 +44,49 @@ impl Identification {
         self.result().estimates.iter().map(|of| of.parameter.unit).collect()
     }
 
+    /// Shape (p,).
     #[getter]
     fn value<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.numbers(py, |of| of.value)
     }
 
+    /// Standard deviations by the noise: what repeats would scatter, shape (p,).
     #[getter]
     fn sigma_noise<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.numbers(py, |of| of.sigma)
     }
 
+    /// By the noise and by what these runs cannot tell from other plausible faults; NaN where none was assumed.
     #[getter]
     fn sigma_all<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.numbers(py, |of| of.all.unwrap_or(f64::NAN))
     }
 
+    /// Standard deviations of what was taken for plausible, NaN where nothing was, shape (p,).
     #[getter]
     fn plausible<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.numbers(py, |of| of.plausible.unwrap_or(f64::NAN))
     }
 
+    /// How much of each the data determine, 0 to 1, shape (p,).
     #[getter]
     fn observed<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.numbers(py, |of| of.observed)
     }
 
+    /// By the noise, shape (p, p).
     #[getter]
     fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         matrix(py, &self.result().covariance)
     }
 
+    /// Shape (p, p).
     #[getter]
     fn correlation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         matrix(py, &self.result().correlation)
     }
 
+    /// What one plausible standard deviation of each fault (column) does to the estimates, shape (p, faults).
     #[getter]
     fn left_open<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         self.result().left_open.as_ref().map(|of| matrix(py, of)).transpose()
@@ -94,11 +102,13 @@ impl Identification {
         self.result().condition
     }
 
+    /// Root mean square of what the fit leaves, um.
     #[getter]
     fn rms_um(&self) -> f64 {
         1e3 * self.result().rms_mm
     }
 
+    /// Readings that took part.
     #[getter]
     fn used(&self) -> usize {
         self.result().used
@@ -114,13 +124,13 @@ impl Identification {
         self.result().cautions.clone()
     }
 
-    /// Standard deviation of a reading's noise, um.
+    /// Standard deviation of the noise of a reading, um.
     #[getter]
     fn noise_um(&self) -> f64 {
         1e3 * self.result().noise.sigma()
     }
 
-    /// Coefficients of the autoregression of the noise.
+    /// Coefficients of the autoregression of the noise, shape (order,).
     #[getter]
     fn noise_phi<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         vector(py, self.result().noise.phi().to_vec())
@@ -138,7 +148,10 @@ impl Identification {
         runs.map(|run| IdentifiedRun { of: self.of.clone(), repeat: self.repeat, run }).collect()
     }
 
-    /// What people ask of the machine at the place of the test; empty where the terms do not say.
+    /// What people ask of the machine at the place of the test.
+    ///
+    /// By name, such as ``"squareness XY"``: ``value``, ``sigma_noise``, ``sigma_all`` (or ``None``), all in ``unit``
+    /// (``"um/m"``, ``"um"`` or ``"urad"``). Empty where there is no such place.
     fn answers<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let answers = work(py, || {
             let result = self.result();
@@ -159,7 +172,7 @@ impl Identification {
         Ok(Problem::new(self.of.clone(), self.repeat, problem))
     }
 
-    /// The fit as orthonormal columns, for effects of one's own.
+    /// The fit as orthonormal columns, to set columns of one's own beside.
     fn linearised(&self, py: Python<'_>) -> PyResult<Linearised> {
         work(py, || {
             let model = self.of.model(self.repeat)?;
@@ -178,7 +191,7 @@ impl Identification {
     }
 }
 
-/// A run that took part.
+/// A run that took part; n readings.
 #[pyclass(frozen, module = "ballbar")]
 pub(crate) struct IdentifiedRun {
     of: Identified,
@@ -209,12 +222,16 @@ impl IdentifiedRun {
         self.result().nominal_mm
     }
 
-    /// What is known of every reading, a column each.
+    /// What is known of every reading: the columns of :meth:`AlignedRun.columns` with refined times, and more.
+    ///
+    /// ``computed_um``, ``residual_um`` (observed minus computed), ``whitened`` (in standard deviations, NaN where it
+    /// took no part), ``weight`` (0 to 1), ``used`` (bool), all of shape (n,); ``apart``: why it took no part, a list.
     fn columns<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         records(py, &self.result().records)
     }
 
-    /// Change of the deviation at every reading with each parameter, where nothing errs.
+    /// Change of the deviation at every reading with each parameter, mm per unit, shape (n, p); of a machine that
+    /// does not err. The array takes over what the library computed, nothing is copied.
     fn jacobian<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let (values, count) = work(py, || {
             let model = self.of.model(self.repeat)?;

@@ -10,7 +10,7 @@ use crate::arrays::rows;
 use crate::error::work;
 use crate::words::toml_of;
 
-/// A machine: the order of its slides, their travels and accelerations, its control.
+/// A machine: the order of its slides, their travels and accelerations, its control. It can be pickled.
 #[pyclass(frozen, module = "ballbar", from_py_object)]
 #[derive(Clone)]
 pub(crate) struct Machine {
@@ -31,20 +31,20 @@ impl Machine {
         })
     }
 
-    /// Check the text of a machine file; `file` is for messages.
+    /// Check the text of a machine file; ``file`` is for messages.
     #[staticmethod]
     #[pyo3(signature = (text, file = PathBuf::from("machine.toml")))]
     fn parse(py: Python<'_>, text: String, file: PathBuf) -> PyResult<Self> {
         work(py, || Ok(Self { machine: ballbar::machine::Machine::parse(&text, &file)?, text }))
     }
 
-    /// A machine of a dictionary with the keys of the file.
+    /// A machine of a mapping with the keys of the file: docs/reference.md.
     #[staticmethod]
     fn of(py: Python<'_>, keys: &Bound<'_, PyAny>) -> PyResult<Self> {
         Self::parse(py, toml_of("keys", keys)?, PathBuf::from("machine.toml"))
     }
 
-    /// A machine that is in the package: `vertical`, `horizontal` or `hu40t`.
+    /// A machine that is in the package: ``"vertical"``, ``"horizontal"`` or ``"hu40t"``.
     #[staticmethod]
     fn builtin(py: Python<'_>, name: &str) -> PyResult<Self> {
         work(py, || {
@@ -69,11 +69,13 @@ impl Machine {
         &self.text
     }
 
+    /// From the workpiece ``w`` over the slides to the tool ``t``.
     #[getter]
     fn topology(&self) -> String {
         self.machine.topology().as_str().to_owned()
     }
 
+    /// Lowest and highest machine coordinate of X, Y, Z, mm, shape (3, 2).
     #[getter]
     fn travel_mm<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let travels = Axis::ALL.iter().flat_map(|axis| self.machine.slide(*axis).travel_mm);

@@ -12,9 +12,10 @@ use crate::error::{argument, work};
 use crate::test::Test;
 use crate::words::dictionary;
 
-/// A program of a test.
+/// An NC program of a test.
 #[pyclass(frozen, module = "ballbar", get_all)]
 pub(crate) struct Program {
+    /// Name of its file.
     name: String,
     mounting: String,
     text: String,
@@ -27,7 +28,7 @@ impl Program {
     }
 }
 
-/// Writes the programs of a test's plan, one for each mounting.
+/// Write the programs of a test's plan, one for each mounting.
 #[pyfunction]
 pub(crate) fn programs(py: Python<'_>, test: &Test) -> PyResult<Vec<Program>> {
     let programs = work(py, || {
@@ -43,7 +44,7 @@ pub(crate) fn programs(py: Python<'_>, test: &Test) -> PyResult<Vec<Program>> {
     Ok(programs.into_iter().map(of).collect())
 }
 
-/// What a test takes and what it will determine.
+/// What a test takes and what it will determine; p parameters.
 #[pyclass(frozen, module = "ballbar")]
 pub(crate) struct Plan {
     outlook: Outlook,
@@ -62,16 +63,19 @@ impl Plan {
         self.outlook.prediction.parameters.iter().map(|of| of.unit).collect()
     }
 
+    /// Standard deviation of each parameter by the noise, in its unit, shape (p,).
     #[getter]
     fn sigma_noise<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         vector(py, self.outlook.prediction.sigmas.clone())
     }
 
+    /// How much of each the test determines, 0 to 1, shape (p,).
     #[getter]
     fn observed<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         vector(py, self.outlook.prediction.observed.clone())
     }
 
+    /// Shape (p, p), in the units of the parameters.
     #[getter]
     fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         matrix(py, &self.outlook.prediction.covariance)
@@ -93,18 +97,18 @@ impl Plan {
         self.outlook.time().machine_s()
     }
 
-    /// Time with the operator's, s.
+    /// Time with that of the operator, s.
     #[getter]
     fn total_s(&self) -> f64 {
         self.outlook.time().total_s()
     }
 
-    /// What is known of the machine at the place of the test.
+    /// What will be known at the place of the test; as :meth:`Identification.answers`.
     fn answers<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         answers(py, &self.outlook.at_the_place)
     }
 
-    /// What `plan.json` holds: docs/plan-schema.md.
+    /// What plan.json holds: docs/plan-schema.md.
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         dictionary(py, &self.json)
     }
@@ -114,7 +118,7 @@ impl Plan {
     }
 }
 
-/// Rehearses a test on a perfect virtual machine.
+/// Rehearse a test on a perfect virtual machine.
 #[pyfunction]
 #[pyo3(signature = (test, *, repeats = 1))]
 pub(crate) fn plan(py: Python<'_>, test: &Test, repeats: u32) -> PyResult<Plan> {

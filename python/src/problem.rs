@@ -9,7 +9,12 @@ use crate::arrays::{Numbers, rows, vector};
 use crate::campaign::Identified;
 use crate::error::work;
 
-/// The least squares that a fit came to rest at.
+/// The least squares that a fit came to rest at; m residuals, u unknowns.
+///
+/// Unknowns are the p parameters, through the exact chain, and what each run has for itself (offsets of legs in s,
+/// rates, how the control drove), by their derivatives where the fit came to rest. Readings, weights and noise are those
+/// of the fit. Residuals are observed minus computed in standard deviations: of readings, then of what is known of times
+/// and what is plausible.
 #[pyclass(frozen, module = "ballbar")]
 pub(crate) struct Problem {
     of: Identified,
@@ -41,13 +46,13 @@ impl Problem {
         self.problem.unknowns().iter().map(|of| of.unit).collect()
     }
 
-    /// Where the fit came to rest.
+    /// Where the fit came to rest, shape (u,).
     #[getter]
     fn values_at_rest<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         vector(py, self.problem.unknowns().iter().map(|of| of.value).collect())
     }
 
-    /// What each residual is about: `reading`, `time` or `plausible`.
+    /// What each residual is about: ``"reading"``, ``"time"`` or ``"plausible"``.
     #[getter]
     fn about(&self) -> Vec<&'static str> {
         let word = |about: &About| match about {
@@ -58,7 +63,7 @@ impl Problem {
         self.problem.about().iter().map(word).collect()
     }
 
-    /// The stretch of neighbouring readings of each reading, whose noise is correlated.
+    /// Of each reading the stretch of neighbours that its noise is correlated with, shape (readings,).
     #[getter]
     fn stretch<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         let of = |about: &About| match about {
@@ -68,13 +73,13 @@ impl Problem {
         vector(py, self.problem.about().iter().filter_map(of).collect())
     }
 
-    /// Standard deviation that each reading counted with.
+    /// Standard deviation that each reading counted with, um, shape (readings,); infinite where it had no weight.
     #[getter]
     fn reading_sigma_um<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         vector(py, self.problem.reading_sigmas_mm().into_iter().map(|mm| 1e3 * mm).collect())
     }
 
-    /// Observed minus computed at values of the unknowns, in standard deviations.
+    /// Residuals at values of the unknowns, shape (u,): shape (m,).
     fn residuals<'py>(
         &self,
         py: Python<'py>,
@@ -86,7 +91,7 @@ impl Problem {
         Ok(vector(py, residuals))
     }
 
-    /// Derivatives of the residuals (rows) by the unknowns (columns).
+    /// Their derivatives, shape (m, u); the array takes over what the library computed, nothing is copied.
     fn jacobian<'py>(
         &self,
         py: Python<'py>,
@@ -98,7 +103,7 @@ impl Problem {
         rows(py, jacobian, values.len())
     }
 
-    /// Gauss-Newton to where nothing is left to gain; from where the fit came to rest unless values are given.
+    /// Gauss-Newton from values to where less than 1e-7 of a standard deviation is left to gain, shape (u,).
     #[pyo3(signature = (values = None))]
     fn solve<'py>(
         &self,
@@ -119,7 +124,7 @@ impl Problem {
     }
 }
 
-/// A fit as orthonormal columns: what a further column explains beside it.
+/// A fit as a linear problem: what a further column explains beside it; n readings, r directions.
 #[pyclass(frozen, module = "ballbar")]
 pub(crate) struct Linearised {
     linearised: identify::Linearised,
@@ -133,7 +138,7 @@ impl Linearised {
 
 #[pymethods]
 impl Linearised {
-    /// What the fit follows at its readings, orthonormal columns.
+    /// Orthonormal columns that the fit follows, shape (n, r); one copy.
     #[getter]
     fn basis<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let (basis, count) = (&self.linearised.basis, self.linearised.samples.len());
@@ -141,32 +146,32 @@ impl Linearised {
         rows(py, values, basis.rank())
     }
 
-    /// What the fit leaves, times the root of the weight.
+    /// What the fit leaves, times the root of the weight, um, shape (n,).
     #[getter]
     fn left_um<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let samples = self.linearised.samples.iter();
         vector(py, samples.map(|sample| 1e3 * sample.left_mm * sample.root_weight).collect())
     }
 
-    /// Root of the weight of each reading, which columns are multiplied by.
+    /// What a column is multiplied by at each reading, shape (n,).
     #[getter]
     fn root_weight<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         vector(py, self.linearised.samples.iter().map(|sample| sample.root_weight).collect())
     }
 
-    /// Number of the arc of each reading, counted over the runs.
+    /// Number of the arc, counted over the runs, shape (n,).
     #[getter]
     fn arc<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         vector(py, self.linearised.samples.iter().map(|sample| sample.arc as i64).collect())
     }
 
-    /// Number of the run of each reading.
+    /// Number of the run, shape (n,).
     #[getter]
     fn run<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         vector(py, self.linearised.samples.iter().map(|sample| sample.run as i64).collect())
     }
 
-    /// Where each reading was taken, a column each.
+    /// Where each reading was taken, as :meth:`AlignedRun.columns`.
     fn columns<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         crate::columns::places(py, self.linearised.samples.iter().map(|s| &s.record.sample))
     }

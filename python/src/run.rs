@@ -15,7 +15,18 @@ use crate::arrays::{Numbers, rows, vector};
 use crate::error::{argument, of_argument, work};
 use crate::test::Test;
 
-/// A program that ran and the log of the bar, as arrays.
+/// A program that ran and what the bar read. It can be pickled, without what is true of a simulated run.
+///
+/// Its arrays are checked and copied once.
+///
+/// Args:
+///     program: text of the program.
+///     time_s: on the instrument's clock, increasing, s, shape (n,), C-contiguous float64.
+///     deviation_um: length minus nominal length, um, shape (n,); NaN where the bar was out of range.
+///     name: what it is called in messages.
+///     mounting: its name; may be left out where the test has one.
+///     repeat: runs of the same repeat are identified together.
+///     feed_override_percent: where the knob stood, 1 to 200.
 #[pyclass(frozen, module = "ballbar", from_py_object)]
 #[derive(Clone)]
 pub(crate) struct Run {
@@ -30,17 +41,16 @@ pub(crate) struct Run {
 
 #[pymethods]
 impl Run {
-    /// A run of the text of its program and arrays of its readings, NaN where the bar was out of range.
     #[new]
-    #[pyo3(signature = (program, time_s, deviation_um, *, name = "run1".to_owned(), mounting = String::new(), repeat = 1, feed_override_percent = 100.0))]
+    #[pyo3(signature = (program, time_s, deviation_um, *, name = "run1", mounting = "", repeat = 1, feed_override_percent = 100.0))]
     #[allow(clippy::too_many_arguments)] // by name
     fn new(
         py: Python<'_>,
         program: String,
         time_s: &Bound<'_, PyAny>,
         deviation_um: &Bound<'_, PyAny>,
-        name: String,
-        mounting: String,
+        name: &str,
+        mounting: &str,
         repeat: u32,
         feed_override_percent: f64,
     ) -> PyResult<Self> {
@@ -53,12 +63,20 @@ impl Run {
                 "100 where the knob stood at the programmed feed",
             ));
         }
-        let log = log_of(py, &name, time_s, deviation_um)?;
+        let log = log_of(py, name, time_s, deviation_um)?;
         let source = Arc::new(Source { file: format!("{name}.nc").into(), text: program });
-        Ok(Self { name, mounting, repeat, feed_override_percent, log, source, truth: None })
+        Ok(Self {
+            name: name.to_owned(),
+            mounting: mounting.to_owned(),
+            repeat,
+            feed_override_percent,
+            log,
+            source,
+            truth: None,
+        })
     }
 
-    /// The same run with other readings at its times.
+    /// The same run with other readings at its times, um, shape (n,): to hide an effect of one's own.
     fn with_deviation_um(&self, py: Python<'_>, deviation_um: &Bound<'_, PyAny>) -> PyResult<Self> {
         let time_s = self.time_s(py);
         Ok(Self { log: log_of(py, &self.name, time_s.as_any(), deviation_um)?, ..self.clone() })
@@ -89,25 +107,27 @@ impl Run {
         self.feed_override_percent
     }
 
+    /// Shape (n,), s; a copy.
     #[getter]
     fn time_s<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         vector(py, self.log.readings().iter().map(|reading| reading.time_s).collect())
     }
 
+    /// Shape (n,), um, NaN out of range; a copy.
     #[getter]
     fn deviation_um<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let um = |reading: &Reading| reading.deviation_mm.map_or(f64::NAN, |mm| 1e3 * mm);
         vector(py, self.log.readings().iter().map(um).collect())
     }
 
-    /// What the bar would have read without noise, steps and range; of a simulated run.
+    /// What the bar would have read without noise, steps and range, um, shape (n,); of a simulated run.
     #[getter]
     fn true_deviation_um<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         let truth = self.truth.as_ref()?;
         Some(vector(py, truth.iter().map(|point| 1e3 * point.exact_mm).collect()))
     }
 
-    /// Where the slides were commanded to be; of a simulated run.
+    /// Where the slides were commanded to be, mm, shape (n, 3); of a simulated run.
     #[getter]
     fn true_position_mm<'py>(
         &self,
@@ -118,7 +138,7 @@ impl Run {
         rows(py, places.collect(), 3).map(Some)
     }
 
-    /// Where in its program the machine was, s; of a simulated run.
+    /// Where in its program the machine was, s, shape (n,); of a simulated run.
     #[getter]
     fn true_program_s<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         let truth = self.truth.as_ref()?;
@@ -155,7 +175,7 @@ impl Run {
         rest: (String, String, u32, f64),
     ) -> PyResult<Self> {
         let (name, mounting, repeat, feed) = rest;
-        Self::new(py, program, time_s, deviation_um, name, mounting, repeat, feed)
+        Self::new(py, program, time_s, deviation_um, &name, &mounting, repeat, feed)
     }
 }
 

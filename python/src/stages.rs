@@ -37,6 +37,7 @@ impl AlignedRun {
         self.run.nominal_mm
     }
 
+    /// How much faster the machine's clock goes than the instrument's, 1e-6.
     #[getter]
     fn clock_rate_ppm(&self) -> f64 {
         1e6 * self.run.alignment.time_map.rate
@@ -47,7 +48,11 @@ impl AlignedRun {
         self.run.alignment.sample_period_s
     }
 
-    /// Where every reading was taken, a column each.
+    /// Where every reading was taken: float64 arrays of shape (n,) or, of X, Y, Z, (n, 3).
+    ///
+    /// ``log_s``, ``program_s``, ``time_sigma_s``, ``elapsed_s`` (since the program began), ``deviation_um``,
+    /// ``position_mm`` (n, 3), ``velocity_mm_s`` (n, 3), ``sense`` (n, 3; -1, 0, 1), and int64 ``arc`` (-1 outside of
+    /// arcs), ``leg``, ``line`` (number of the reading in its log).
     fn columns<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         places(py, self.run.samples().iter())
     }
@@ -57,7 +62,7 @@ impl AlignedRun {
     }
 }
 
-/// Lays logs over their programs; times are refined by `identify` alone.
+/// Lay logs over their programs: the runs of the test file, or those that are given.
 #[pyfunction]
 #[pyo3(signature = (test, runs = None))]
 pub(crate) fn align(
@@ -74,7 +79,10 @@ pub(crate) fn align(
     Ok(aligned.into_iter().map(named).collect())
 }
 
-/// Identifies the machine from the runs of a test: those of its file, or those that are given.
+/// Identify the machine from the runs of the test file, or from those that are given.
+///
+/// ``terms``, ``loss`` and ``minimum_norm`` stand for the keys of ``[identify]``; ``on_failure`` says what becomes of a
+/// run that cannot be identified.
 #[pyfunction]
 #[pyo3(signature = (test, runs = None, *, terms = None, loss = None, minimum_norm = None, on_failure = "refuse"))]
 pub(crate) fn identify(

@@ -12,7 +12,7 @@ use crate::error::{argument, work};
 use crate::machine::Machine;
 use crate::words::toml_of;
 
-/// A test: machine, bar, mountings, arcs, what is estimated, and the runs that were measured.
+/// A test: machine, bar, mountings, arcs, what is estimated, and the runs that were measured. It can be pickled.
 #[pyclass(frozen, module = "ballbar", from_py_object)]
 #[derive(Clone)]
 pub(crate) struct Test {
@@ -23,7 +23,7 @@ pub(crate) struct Test {
 
 #[pymethods]
 impl Test {
-    /// Read a test file and the machine file that it names.
+    /// Read a test file and, unless one is given, the machine file that it names.
     #[staticmethod]
     #[pyo3(signature = (path, machine = None))]
     fn read(py: Python<'_>, path: PathBuf, machine: Option<Machine>) -> PyResult<Self> {
@@ -31,7 +31,7 @@ impl Test {
         Self::parse(py, text, machine, path)
     }
 
-    /// Check the text of a test file; paths in it are relative to the folder of `file`.
+    /// Check the text of a test file; paths in it are relative to the folder of ``file``.
     #[staticmethod]
     #[pyo3(signature = (text, machine = None, file = PathBuf::from("test.toml")))]
     fn parse(
@@ -51,7 +51,7 @@ impl Test {
         Ok(Self { test, machine, text })
     }
 
-    /// A test of a dictionary with the keys of the file; `machine` need not be among them.
+    /// A test of a mapping with the keys of the file; with a machine, ``"machine"`` need not be among them.
     #[staticmethod]
     #[pyo3(signature = (keys, machine = None, file = PathBuf::from("test.toml")))]
     fn of(
@@ -76,7 +76,7 @@ impl Test {
         Self::parse(py, toml_of("keys", &copy)?, machine, file)
     }
 
-    /// The same test with another choice of what is estimated.
+    /// The same test with another choice of what is estimated: the keys of ``[identify]``.
     #[pyo3(signature = (*, terms = None, loss = None, minimum_norm = None))]
     pub(crate) fn estimating(
         &self,
@@ -129,11 +129,13 @@ impl Test {
         self.test.estimation().terms.clone()
     }
 
+    /// Their names, in order.
     #[getter]
     fn mountings(&self) -> Vec<String> {
         self.test.mountings().iter().map(|mounting| mounting.name.clone()).collect()
     }
 
+    /// Where the balls coincide in each mounting, machine coordinates, mm, shape (mountings, 3).
     #[getter]
     fn coincidence_mm<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let mountings = self.test.mountings().iter();
@@ -141,6 +143,7 @@ impl Test {
         rows(py, places.collect(), 3)
     }
 
+    /// The tool ball in the frame of the last slide on the tool side, mm, shape (mountings, 3).
     #[getter]
     fn tool_ball_mm<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let mountings = self.test.mountings().iter();
@@ -148,6 +151,7 @@ impl Test {
         rows(py, places.collect(), 3)
     }
 
+    /// Nominal length of the bar in each mounting, mm, shape (mountings,).
     #[getter]
     fn bar_length_mm<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         vector(py, self.test.mountings().iter().map(|of| of.bar_length_mm).collect())

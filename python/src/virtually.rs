@@ -27,7 +27,7 @@ impl Simulation {
         self.runs.clone()
     }
 
-    /// What was put in, as `truth.toml` has it.
+    /// What was put in, TOML as in truth.toml.
     #[getter]
     fn truth(&self) -> &str {
         &self.truth
@@ -60,7 +60,15 @@ impl Given {
     }
 }
 
-/// Lets a virtual machine run the programs of a test and an instrument read it.
+/// Let a virtual machine run the programs of a test and an instrument read it.
+///
+/// Args:
+///     scenario: what machine and instrument are like: a file, or a mapping with its keys.
+///     hide: effects, such as ``"cyclic:on=EXX,period_mm=10,amplitude_um=1.2"``.
+///     model: a model.toml whose errors the machine has.
+///     seed: where everything random begins.
+///     repeats: how often the test is run.
+///     paper: take the coefficients of the paper instead of drawing a machine.
 #[pyfunction]
 #[pyo3(signature = (test, *, scenario = None, hide = Vec::new(), model = None, seed = None, repeats = 1, paper = false))]
 #[allow(clippy::too_many_arguments)] // by name

@@ -16,7 +16,7 @@ use crate::diagnosis::Diagnosis;
 use crate::error::{argument, work};
 use crate::words::dictionary;
 
-/// How far the tool is from where it should be, over a volume.
+/// How far the tool is from where it should be; n points, X the fastest.
 #[pyclass(frozen, module = "ballbar")]
 pub(crate) struct Volume {
     map: VolumeMap,
@@ -35,39 +35,43 @@ impl Volume {
 
 #[pymethods]
 impl Volume {
-    /// Points along X, Y, Z; X runs the fastest.
+    /// Points along X, Y, Z.
     #[getter]
     fn counts(&self) -> [usize; 3] {
         self.map.counts
     }
 
+    /// Machine coordinates, mm, shape (n, 3).
     #[getter]
     fn position_mm<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         self.triples(py, |node| node.position_mm.into())
     }
 
+    /// Displacement of the tool against the workpiece, mean of both senses, um, shape (n, 3).
     #[getter]
     fn error_um<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         self.triples(py, |node| [0, 1, 2].map(|k| 1e3 * node.error[k].value_mm))
     }
 
+    /// Standard deviations by the noise, um, shape (n, 3).
     #[getter]
     fn sigma_noise_um<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         self.triples(py, |node| [0, 1, 2].map(|k| 1e3 * node.error[k].sigmas.noise))
     }
 
+    /// And with what the runs leave open, um, shape (n, 3).
     #[getter]
     fn sigma_all_um<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         self.triples(py, |node| [0, 1, 2].map(|k| 1e3 * node.error[k].sigmas.all))
     }
 
-    /// Whether something was measured near each point.
+    /// Whether something was measured near, shape (n,).
     #[getter]
     fn near<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
         vector(py, self.map.nodes.iter().map(|node| node.near).collect())
     }
 
-    /// What `volume.json` holds: docs/volume-schema.md.
+    /// What volume.json holds: docs/volume-schema.md.
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         dictionary(py, &self.json)
     }
@@ -135,7 +139,14 @@ impl Source {
     }
 }
 
-/// Maps the volumetric error over what was measured, the travel or a box of machine coordinates.
+/// Map the volumetric error over what was measured, the travel, or a box.
+///
+/// Args:
+///     source: what was identified or diagnosed, or the path of an analysis.json or of its folder.
+///     box_mm: lowest and highest machine coordinate of X, Y, Z, mm, shape (3, 2).
+///     tool_mm: tip of the tool in the frame of the last slide on the tool side, mm, shape (3,).
+///     points: along each axis, 2 to 21.
+///     keep_rigid: leave the rigid motion of the workpiece in.
 #[pyfunction]
 #[pyo3(signature = (source, *, box_mm = None, travel = false, tool_mm = None, points = 9, keep_rigid = false))]
 pub(crate) fn volume(
