@@ -12,7 +12,7 @@ from conftest import a_test
 
 
 def a_sphere() -> tuple[ballbar.Test, list[ballbar.Run]]:
-    test = a_test("hu40t", "3d6", coincidence_mm=(0.0, 0.0, 100.0), feed_mm_min=500.0, rate_hz=100.0)
+    test = a_test("hu40t", "3d6", coincidence_mm=(0.0, 0.0, 100.0), feed_mm_min=500.0, rate_hz=50.0)
     return test, ballbar.simulate(test, seed=5).runs
 
 
