@@ -1,6 +1,5 @@
 //! `ballbar blind`: the standing trial.
 
-use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::Mutex;
@@ -14,6 +13,7 @@ use super::results::Files;
 use crate::diagnose::{Finding, Separation};
 use crate::error::{Error, Result};
 use crate::model::Form;
+use crate::report::trial_json;
 use crate::trial::{
     Class, Course, Grid, IN_GRID, Outcome, REQUIRED, Request, Session, grid_table, table,
 };
@@ -110,7 +110,7 @@ impl Arguments {
         let run = |finished: Told<'_>| session.run(&requests, finished);
         let outcomes = self.outcomes(&requests, &run, common, talk)?;
         if common.json {
-            let list: Vec<_> = outcomes.iter().map(as_json).collect();
+            let list: Vec<_> = outcomes.iter().map(trial_json).collect();
             let all =
                 json!({ "seed": self.seed, "noise_um": 1e3 * session.noise_mm(), "trials": list });
             return output::print_json("blind", all);
@@ -136,7 +136,7 @@ impl Arguments {
         let run = |finished: Told<'_>| grid.run(&requests, finished);
         let outcomes = self.outcomes(&requests, &run, common, talk)?;
         if common.json {
-            let list: Vec<_> = outcomes.iter().map(as_json).collect();
+            let list: Vec<_> = outcomes.iter().map(trial_json).collect();
             return output::print_json("blind", json!({ "seed": self.seed, "trials": list }));
         }
         output::print_summary(&grid_table(&outcomes))
@@ -182,7 +182,7 @@ impl Arguments {
 /// One trial with all that its diagnosis says.
 fn told(outcome: &Outcome, common: &Common) -> Result<()> {
     if common.json {
-        return output::print_json("trial", as_json(outcome));
+        return output::print_json("trial", trial_json(outcome));
     }
     if let Some(failure) = &outcome.failure {
         return Err(Error::input(failure.clone()));
@@ -290,36 +290,4 @@ fn line(outcome: &Outcome) -> String {
     }
     text.push('\n');
     text
-}
-
-fn as_json(outcome: &Outcome) -> serde_json::Value {
-    let found = outcome.judgement.found.iter();
-    json!({
-        "class": outcome.class.name(),
-        "index": outcome.index,
-        "size_um": 1e3 * outcome.size_mm,
-        "hidden": outcome.hidden.iter().map(|(effect, share)| json!({
-            "effect": effect.to_string(),
-            "cause": effect.cause.id,
-            "share_outside_of_model": share,
-        })).collect::<Vec<_>>(),
-        "found": found.map(|found| json!({
-            "cause": found.cause,
-            "text": found.text,
-            "right": found.right,
-            "correlation": found.correlation,
-        })).collect::<Vec<_>>(),
-        "verdict": outcome.judgement.verdict.name(),
-        "wrong_named": outcome.judgement.wrong_named,
-        "failure": outcome.failure,
-        "strata": outcome.strata.iter().cloned().collect::<BTreeMap<_, _>>(),
-        "numbers": outcome.off_by.iter().map(|off| json!({
-            "quantity": off.name,
-            "off_in_noise": off.noises,
-            "off_in_all": off.alls,
-        })).collect::<Vec<_>>(),
-        "simulate_s": outcome.seconds.simulate_s,
-        "identify_s": outcome.seconds.identify_s,
-        "diagnose_s": outcome.seconds.diagnose_s,
-    })
 }

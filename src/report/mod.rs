@@ -36,6 +36,7 @@ mod plan;
 mod program;
 mod ranked;
 mod text;
+mod trial;
 mod volume;
 
 pub use analysis::facts::{
@@ -87,6 +88,7 @@ pub use plan::terminal::plan_summary;
 pub use program::html::path_page;
 pub use ranked::facts::{FeatureResult, RankingFacts, RankingResult};
 pub use text::words::list;
+pub use trial::facts::trial_json;
 pub use volume::Mapped;
 pub use volume::facts::{volume_csv, volume_json};
 pub use volume::html::volume_page;

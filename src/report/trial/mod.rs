@@ -1,0 +1,3 @@
+//! A blind trial: JSON.
+
+pub(super) mod facts;
