@@ -15,6 +15,7 @@ mod problem;
 mod run;
 mod stages;
 mod test;
+mod trials;
 mod virtually;
 mod volume;
 mod words;
@@ -43,6 +44,8 @@ mod _ballbar {
     use crate::stages::{AlignedRun, align, identify};
     #[pymodule_export]
     use crate::test::Test;
+    #[pymodule_export]
+    use crate::trials::Trials;
     #[pymodule_export]
     use crate::virtually::{Simulation, simulate};
     #[pymodule_export]

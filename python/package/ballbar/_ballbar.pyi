@@ -24,6 +24,7 @@ __all__ = [
     "Run",
     "Simulation",
     "Test",
+    "Trials",
     "Volume",
     "__version__",
     "_panic",
@@ -536,6 +537,29 @@ class Volume:
 
     def report(self) -> dict[str, Any]:
         """What volume.json holds: docs/volume-schema.md."""
+
+@final
+class Trials:
+    """Effects hidden at random in simulated campaigns, diagnosed without knowing: the trials of ``ballbar blind``.
+
+    A trial is its seed, its class and its index: the same three give the same result, wherever it is computed, but for
+    how long it took.
+
+    Args:
+        seed: where everything random begins.
+        size_um: size of every hidden effect, um rms outside of the model, 0.001 to 100; that of its class where none.
+        test: a test file whose programs are driven, instead of the campaign that is in the package.
+        repeats: how often the plan of that test is repeated, 1 to 1000, instead of its runs.
+    """
+
+    def __new__(
+        cls, seed: int = 1, *, size_um: float | None = None, test: _Path | None = None, repeats: int | None = None
+    ) -> Trials: ...
+    def trial(self, kind: str, index: int) -> dict[str, Any]:
+        """Does one trial: what ``ballbar blind --json`` says of it.
+
+        ``kind`` is ``"single"``, ``"small"``, ``"sizes"``, ``"none"``, ``"two"`` or ``"outside"``.
+        """
 
 def _panic() -> None:
     """A fault, for the test that says what becomes of one."""
