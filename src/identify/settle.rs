@@ -61,17 +61,23 @@ impl Fit<'_> {
         let mut before: Option<Unknowns> = None;
         let mut misfits: Vec<f64> = Vec::new();
         let mut chosen_s = Vec::new();
+        // So far the times may move before samples are chosen anew.
+        let mut held_s = detail.guard_s();
         let mut wary = detail == timing::Detail::Full && !self.state.came_to_rest;
         for steps in 1..=MOST_STEPS {
             // Chosen while the times still move, then held: a sample that comes and goes at a reversal would keep the fit
             // from settling. One that has gone over a reversal is on the wrong side of it, and does not come back.
             let moved_s = self.moved_s(&chosen_s);
-            let choosing = wary || steps <= CHOOSING_STEPS || moved_s > detail.guard_s();
+            let choosing = wary || steps <= CHOOSING_STEPS || moved_s > held_s;
             if choosing {
                 let came_to_rest = wary && steps > FINDING_STEPS && moved_s < MOVES_S;
                 self.state.came_to_rest |= came_to_rest;
                 wary = wary && !came_to_rest && steps < DOWNHILL_AFTER;
-                let guard_s = if wary { WARY_S } else { detail.guard_s() };
+                // Times that hardly anything tells go to and fro for ever: what is kept from reversals is then so much that they may.
+                let restless = steps > DOWNHILL_AFTER;
+                let guard_s =
+                    if wary || restless { WARY_S.max(detail.guard_s()) } else { detail.guard_s() };
+                held_s = if restless { guard_s } else { detail.guard_s() };
                 let chosen = apart(&self.runs, guard_s);
                 if wary || came_to_rest || steps <= CHOOSING_STEPS {
                     self.state.apart = chosen;

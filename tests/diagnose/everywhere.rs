@@ -107,6 +107,17 @@ fn a_real_planner_is_no_effect() {
     }
 }
 
+/// Little is left that changes along the arcs, so hardly anything tells when a reading was taken: such a fit comes to rest, too.
+#[test]
+fn a_compensated_machine_is_measured_again() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/compensated");
+    let (_, campaign, diagnosis) =
+        judge::diagnosed(&Test::read(&folder.join("test.toml")).unwrap());
+    assert!(diagnosis.findings.is_empty(), "{:?}", diagnosis.findings);
+    // 0.1 um, rounded to 0.1 um.
+    assert!(campaign.repeats[0].rms_mm < 1.05 * 0.1041e-3, "{}", campaign.repeats[0].rms_mm);
+}
+
 #[test]
 fn behind_a_real_planner_two_effects_are_named() {
     let measured = measured("motion-b");
