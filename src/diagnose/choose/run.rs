@@ -2,15 +2,13 @@
 
 use super::found::Chosen;
 use super::search::{MOST_EFFECTS, Search};
-use super::tidy;
 use crate::identify::Campaign;
-use crate::residual::{Fitted, Owner, Residuals, Tuning};
+use crate::residual::{Fitted, Residuals};
 
 /// The effects that there are; `None` for none.
 pub(crate) fn chosen(residuals: &Residuals, campaign: &Campaign) -> Option<Chosen> {
     let mut search = Search::new(residuals, campaign);
     let fitted = search.forward(None, true, MOST_EFFECTS)?;
-    let fitted = search.or_without_each_run(fitted);
     search.named(fitted)
 }
 
@@ -47,25 +45,6 @@ pub(crate) fn again(residuals: &Residuals, campaign: &Campaign, chosen: &Chosen)
 }
 
 impl Search<'_> {
-    /// The effects, or what the search finds without those that differ from run to run, whatever leaves less.
-    ///
-    /// What has an amplitude and a phase of its own in every run takes a share of anything, and what is chosen next only mends
-    /// that: the way without it may lead farther.
-    fn or_without_each_run(&mut self, fitted: Fitted) -> Fitted {
-        if fitted.elements.iter().all(|element| element.owner != Owner::EachRun) {
-            return fitted;
-        }
-        self.each_run = false;
-        let others = self.forward(None, true, MOST_EFFECTS);
-        self.each_run = true;
-        let score = |of: &Fitted| tidy::score_mm2(&self.beside(Some(of)), of);
-        let better = others.filter(|others| score(others) > score(&fitted));
-        if better.is_some() {
-            self.tuning = Tuning::default();
-        }
-        better.unwrap_or(fitted)
-    }
-
     /// What stands of some effects, each with what else it could be.
     fn named(&mut self, fitted: Fitted) -> Option<Chosen> {
         let firm = self.tidied(fitted)?;

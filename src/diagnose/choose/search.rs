@@ -30,18 +30,16 @@ pub(crate) struct Search<'a> {
     alone: Beside<'a>,
     screen: Screen,
     /// How vibrations differ from run to run: all of them alike, and found once.
-    pub(super) tuning: Tuning,
+    tuning: Tuning,
     /// What was tried while nothing had been chosen.
     pub(crate) first: Vec<Tried>,
-    /// Whether effects are looked for that differ from run to run.
-    pub(super) each_run: bool,
 }
 
 impl<'a> Search<'a> {
     pub(crate) fn new(residuals: &'a Residuals, campaign: &Campaign) -> Self {
         let alone = residuals.alone();
         let screen = Screen::new(&alone, campaign);
-        Self { alone, screen, tuning: Tuning::default(), first: Vec::new(), each_run: true }
+        Self { alone, screen, tuning: Tuning::default(), first: Vec::new() }
     }
 
     pub(crate) fn residuals(&self) -> &'a Residuals {
@@ -105,9 +103,6 @@ impl<'a> Search<'a> {
         if chosen.iter().flat_map(|fitted| &fitted.elements).any(Element::is_common_delay) {
             // Another delay that all slides have in common is a better estimate of the first one.
             candidates.retain(|candidate| !candidate.element.is_common_delay());
-        }
-        if !self.each_run {
-            candidates.retain(|candidate| candidate.element.owner != Owner::EachRun);
         }
         let mut best = closely(beside, candidates, least);
         let mut tuning = None;

@@ -127,7 +127,7 @@ impl Search<'_> {
 }
 
 /// Gain less what the numbers gain by chance, mm², by the noise beside some effects.
-pub(super) fn score_mm2(beside: &Beside, fitted: &Fitted) -> f64 {
+fn score_mm2(beside: &Beside, fitted: &Fitted) -> f64 {
     fitted.gain_mm2 - beside.noise().by_chance_mm2(fitted.columns.len())
 }
 
