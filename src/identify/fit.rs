@@ -4,7 +4,7 @@ use super::columns::Columns;
 use super::input::{Options, RunInput};
 use super::result::Identification;
 use super::state::{State, apart};
-use super::{timing, words};
+use super::{facets, timing, words};
 use crate::align::{Part, TimeMap};
 use crate::error::{Error, Kind, Result};
 use crate::model::{Model, ParameterId};
@@ -133,13 +133,13 @@ impl<'a> Fit<'a> {
     fn coarse_legs(&self) -> bool {
         self.runs.iter().any(|run| {
             let map = &run.alignment.time_map;
-            run.alignment.legs().iter().any(|&leg| map.offset_sigmas_s[leg] > timing::FACET_S)
+            run.alignment.legs().iter().any(|&leg| map.offset_sigmas_s[leg] > facets::FACET_S)
         })
     }
 
     fn find_facets(&mut self) {
         for run in &mut self.runs {
-            timing::find_facets(self.model, &self.state.values, run);
+            facets::find(self.model, &self.state.values, run);
             run.place();
         }
     }
@@ -147,7 +147,7 @@ impl<'a> Fit<'a> {
     /// Fits again with every doubtful leg where else it could lie, and keeps what fits better.
     fn try_elsewhere(&mut self, mut best: Outcome) -> Outcome {
         for index in 0..self.runs.len() {
-            let doubts = timing::doubts(self.model, &self.state.values, &self.runs[index]);
+            let doubts = facets::doubts(self.model, &self.state.values, &self.runs[index]);
             for doubt in doubts {
                 for shift_s in doubt.shifts_s.into_iter().take(MOST_PLACES) {
                     let kept = self.state.clone();

@@ -24,6 +24,7 @@ mod columns;
 mod complete;
 mod effects;
 mod exchanged;
+mod facets;
 mod fit;
 mod follows;
 mod foresight;
