@@ -6,7 +6,7 @@ use super::run_facts::RunResult;
 use crate::report::text::numbers::{fixed, many};
 use crate::report::text::words::list;
 
-/// A deviation over the repeats is remarkable above this many times the stated sigma.
+/// A deviation is remarkable above this many times the stated sigma.
 const REMARKABLE: f64 = 3.0;
 /// Residuals are remarkable above this many times the stated noise.
 const NOISY: f64 = 1.5;
@@ -110,7 +110,8 @@ fn feed(analysis: &Analysis) -> Vec<String> {
         .runs()
         .filter_map(|run| {
             let sigma = run.feed_override.excess_sigma_percent?;
-            Some(format!(
+            let differs = run.feed_override.excess_percent.abs() > REMARKABLE * sigma;
+            differs.then(|| format!(
                 "{}: by the log the feed differed by {} % +- {} % from the stated {} %. The program times follow the log.",
                 run.name,
                 fixed(run.feed_override.excess_percent, 3),
