@@ -21,6 +21,20 @@ pub(super) fn middles_s(breaks: &[Break], trajectory: &Trajectory) -> Vec<f64> {
     ends_s.map(middle_s).collect()
 }
 
+/// How long a block of feed of each leg takes, s, the median of them: a chord, where an arc is driven in chords; 0 of a leg
+/// without one.
+pub(super) fn chords_s(breaks: &[Break], trajectory: &Trajectory) -> Vec<f64> {
+    let mut of_leg = vec![Vec::new(); breaks.len() + 1];
+    for block in trajectory.blocks().iter().filter(|block| block.kind == BlockKind::Feed) {
+        of_leg[breaks.partition_point(|at| at.program_s <= block.start_s)].push(block.duration_s);
+    }
+    let median_s = |mut all_s: Vec<f64>| {
+        all_s.sort_by(f64::total_cmp);
+        all_s.get(all_s.len() / 2).copied().unwrap_or(0.0)
+    };
+    of_leg.into_iter().map(median_s).collect()
+}
+
 /// Every operator's pause, and of other standstills those while the bar reads or between: the machine comes to rest,
 /// and moves on.
 pub(super) fn breaks(trajectory: &Trajectory, engaged_s: &Range<f64>) -> Vec<Break> {

@@ -100,6 +100,8 @@ impl Draft {
         let other_runs_s = self.beside.iter().map(|of| [time_s(of.start), time_s(of.end - 1)]);
         Alignment {
             chord_sag_mm: section::chord_sag_mm(&self.trajectory, &sections, run.rig.bar.length_mm),
+            means: Vec::new(),
+            radius_mm: run.rig.bar.length_mm,
             moving: section::moving(&self.trajectory, &sections),
             began_log_s,
             began_sigma_s,

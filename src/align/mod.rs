@@ -21,6 +21,8 @@ mod draft;
 mod engagement;
 mod following;
 mod lay;
+mod leg_chords;
+mod mean_path;
 mod misread;
 mod off_centre;
 mod ramp;

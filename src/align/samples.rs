@@ -1,12 +1,15 @@
 //! A run that is aligned, and its samples.
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 
 use super::engagement::Engagement;
 use super::following;
+use super::mean_path::MeanPath;
 use super::ramp::Mark;
 use super::section::Section;
-use super::time_map::TimeMap;
+use super::time_map::{Moment, TimeMap};
 use super::window;
 use crate::log::Reading;
 use crate::machine::Pose;
@@ -85,6 +88,8 @@ pub struct Alignment {
     pub moving: [bool; 3],
     /// How far the chords of the arcs are off them, mm; 0 of a program of arcs.
     pub chord_sag_mm: f64,
+    /// Radius of the sphere, mm.
+    pub radius_mm: f64,
     /// When the program began, on the log's clock, s: half way between what the log allows where an
     /// operator's pause hides it.
     pub began_log_s: f64,
@@ -99,6 +104,8 @@ pub struct Alignment {
     /// Steps that were taken out of the readings after them: the bar slipped.
     pub slips: Vec<Slip>,
     pub(super) reversals: Reversals,
+    /// The path of each leg in its mean, once it was looked up.
+    pub(super) means: Vec<Arc<Option<MeanPath>>>,
     pub(super) coincidence_mm: Vector3<f64>,
     /// Readings in engagements.
     pub(super) readings: Vec<Reading>,
@@ -156,17 +163,7 @@ impl Alignment {
             // In a pause the senses are still those of the motion before it.
             let before_s = if moment.in_stop { 1e-6 } else { 0.0 };
             let mut state = trajectory.at(moment.program_s - before_s);
-            if !moment.in_stop {
-                state.position_mm =
-                    self.followed_mm(moment.program_s, state.block, time_map.following_s)
-                        - time_map.delays_s.component_mul(&state.velocity_mm_s);
-            }
             let moves = state.velocity_mm_s.norm() > 1e-9;
-            let bow_mm = if node_s > 0.0 && moves {
-                self.bow_mm(moment.program_s, state.block, node_s)
-            } else {
-                0.0
-            };
             let part = if moment.in_stop {
                 Part::Stop
             } else if !moves {
@@ -181,6 +178,23 @@ impl Alignment {
                     Some(index) => Part::Arc(index),
                     None => Part::Ramp,
                 }
+            };
+            let blur_s =
+                if matches!(part, Part::Arc(_)) { time_map.chords[moment.leg].blur_s } else { 0.0 };
+            if !moment.in_stop {
+                let path_mm = self.followed_mm(moment.program_s, state.block, time_map.following_s);
+                let onto_mm = if blur_s > 0.0 {
+                    self.onto_mean_mm(&path_mm, &moment, blur_s)
+                } else {
+                    Vector3::zeros()
+                };
+                let late_mm = time_map.delays_s.component_mul(&state.velocity_mm_s);
+                state.position_mm = path_mm + onto_mm - late_mm;
+            }
+            let bow_mm = if node_s > 0.0 && moves && blur_s <= 0.0 {
+                self.bow_mm(moment.program_s, state.block, node_s)
+            } else {
+                0.0
             };
             samples.push(Sample {
                 log_s,
@@ -203,6 +217,32 @@ impl Alignment {
             });
         }
         samples
+    }
+
+    /// Looks up the path of every leg, for its mean: see [`Self::mean_mm`].
+    pub fn look_up_means(&mut self) {
+        let map = &self.time_map;
+        let of_leg = |leg: usize| {
+            let arcs = self.sections.iter().filter(|arc| map.leg_of(arc.start_s) == leg);
+            let arcs: Vec<Section> = arcs.cloned().collect();
+            let chord_s = map.chords[leg].lasts_s;
+            MeanPath::of(&self.trajectory, &arcs, &self.coincidence_mm, self.radius_mm, chord_s)
+        };
+        self.means = (0..map.offsets_s.len()).map(of_leg).map(Arc::new).collect();
+    }
+
+    /// Commanded length minus radius at a program time of a leg, in its mean over a while, mm; 0 before it was looked up.
+    pub fn mean_mm(&self, leg: usize, program_s: f64, over_s: f64) -> f64 {
+        let path = self.means.get(leg).and_then(|path| path.as_ref().as_ref());
+        path.map_or(0.0, |path| path.mean_mm(program_s, over_s))
+    }
+
+    /// From the path onto its mean over so long, mm.
+    fn onto_mean_mm(&self, path_mm: &Vector3<f64>, moment: &Moment, over_s: f64) -> Vector3<f64> {
+        let ball_mm = path_mm - self.coincidence_mm;
+        let along = ball_mm.try_normalize(f64::EPSILON).unwrap_or_else(Vector3::zeros);
+        let mean_mm = self.mean_mm(moment.leg, moment.program_s, over_s);
+        along * (self.radius_mm + mean_mm - ball_mm.norm())
     }
 
     /// A sample of an arc as it would be a little later on its way.

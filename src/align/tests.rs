@@ -363,3 +363,24 @@ fn readings_that_were_lost_are_missed_where_they_were() {
     let error = bench.aligned(&cut(1.0).0).unwrap_err();
     assert!(error.what.contains("1.0 s is missing from the log"), "{error}");
 }
+
+/// Over whole chords the mean of a path lies two thirds of their sag inside, wherever it is taken.
+#[test]
+fn the_mean_of_chords_is_a_circle() {
+    let bench = Bench::new("strategy = \"3d6\"\nchord_sag_um = 0.6\n");
+    let run = bench.simulated(&Scenario::default());
+    let mut alignment = bench.aligned(&log_of(&run.csv())).unwrap();
+    alignment.look_up_means();
+    for arc in alignment.sections.iter().filter(|arc| !arc.transit) {
+        let leg = alignment.time_map.leg_of(arc.start_s);
+        let over_s = 40.0 * alignment.time_map.chords[leg].lasts_s;
+        let lasts_s = arc.end_s - arc.start_s;
+        for k in 0..200 {
+            let program_s = arc.start_s + (0.2 + 0.6 * f64::from(k) / 200.0) * lasts_s;
+            let mean_um = 1e3 * alignment.mean_mm(leg, program_s, over_s);
+            let sag_um = 1e3 * alignment.chord_sag_mm;
+            // The ends of chords are rounded to 1 um: 0.3 um, of forty 0.05 um.
+            assert!((mean_um + 2.0 / 3.0 * sag_um).abs() < 0.15, "{mean_um} um, sag {sag_um} um");
+        }
+    }
+}

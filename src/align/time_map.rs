@@ -8,7 +8,8 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use super::breaks::{Break, breaks, middles_s};
+use super::breaks::{Break, breaks, chords_s, middles_s};
+use super::leg_chords::LegChords;
 use super::ramp::{Mark, UNEQUAL_DELAY_S};
 use crate::error::Result;
 use crate::motion::Trajectory;
@@ -28,9 +29,8 @@ pub struct TimeMap {
     pub offset_sigmas_s: Vec<f64>,
     /// Covariance of each offset with the rate, s.
     pub offset_rate_covariances_s: Vec<f64>,
-    /// Standard deviation that each offset has besides, because chords that look alike could be taken
-    /// for each other, s.
-    pub ambiguities_s: Vec<f64>,
+    /// The chords of each leg.
+    pub chords: Vec<LegChords>,
     /// By how much the machine drives faster than this feed, as a share of 1; standstills have their own time.
     pub pace: f64,
     /// Standard deviation of the pace.
@@ -113,7 +113,7 @@ impl TimeMap {
             delays_s: Vector3::zeros(),
             delay_sigmas_s: Vector3::zeros(),
             middles_s: middles_s(&breaks, trajectory),
-            ambiguities_s: vec![0.0; legs],
+            chords: chords_s(&breaks, trajectory).into_iter().map(LegChords::that_last).collect(),
             override_excess: 0.0,
             override_sigma: 0.0,
             excess_s: [0.0, EXCESS_S],
@@ -312,7 +312,7 @@ impl TimeMap {
             - time_s * self.offset_rate_covariances_s[leg]
             - from_middle_s * self.offset_pace_covariances_s[leg];
         let straight = own + 2.0 * mixed;
-        straight.max(0.0).sqrt().hypot(self.ambiguities_s[leg])
+        straight.max(0.0).sqrt().hypot(self.chords[leg].ambiguity_s)
     }
 
     /// The moment of a log time.

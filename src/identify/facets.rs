@@ -1,69 +1,130 @@
 //! Where chords and reversals of the program put a leg whose time is known coarsely.
 
+use nalgebra::Vector3;
+
 use super::input::RunInput;
-use super::timing::{Detail, stride, view};
-use crate::align::{MarkKind, Part, Sample};
+use super::timing::{Detail, SMOOTH_S, TURNING_S, stride, view};
+use crate::align::{MarkKind, Part, Sample, TimeMap};
 use crate::machine::Pose;
 use crate::model::Model;
 
-/// Offsets that are known to this, s, are inside the catch of the facets: a chord of a usual program
-/// takes some 80 ms, and rounding gives every one its own height.
-pub(super) const FACET_S: f64 = 0.02;
+/// And of a leg without chords, or with long ones, of its reversals, s.
+const CATCH_S: f64 = 0.02;
 /// Farther than this from the smooth fit no facet is looked for, s.
 const FARTHEST_S: f64 = 2.0;
-/// Step of the search, s.
-const SEARCH_STEP_S: f64 = 0.0025;
+/// Steps of the search in a catch.
+const STEPS_A_CATCH: f64 = 8.0;
+/// And most steps either way.
+const MOST_STEPS: f64 = 800.0;
+/// A leg whose chords are not told counts by its mean over so many standard deviations of its time.
+const PLAUSIBLE: f64 = 4.0;
+/// And over so many chords at the most.
+const MOST_CHORDS: f64 = 1000.0;
 /// Neighbouring readings are not independent: their misfits count half.
 const CORRELATED: f64 = 2.0;
 
+/// Offsets that are known to this, s, are inside the catch of a leg's facets: a quarter of a chord.
+pub(super) fn catch_s(map: &TimeMap, leg: usize) -> f64 {
+    let chord_s = map.chords[leg].lasts_s;
+    if chord_s > 0.0 { (0.25 * chord_s).min(CATCH_S) } else { CATCH_S }
+}
+
+/// Which legs are looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Look {
+    /// All.
+    First,
+    /// Those whose facets were not found.
+    Again,
+}
+
 /// Moves the offset of every coarsely known leg to where the facets of the commanded path and the steps
-/// at the reversals fit best, and states what else fits nearly as well.
+/// at the reversals fit best, if they tell it.
 ///
 /// For a shift `d` the slow part of the prediction is held, and what is told by steps and facets is
-/// looked up anew. With `S(d)` the sum of squares, `s²` its least mean and `sigma` what the smooth fit
-/// left of the offset,
+/// looked up anew. With `S(d)` the sum of squares with steps alone, as near as slides turn round with the program, `G(d)` by how much facets lower it, `s²` the least mean
+/// of what is left, and `sigma` what is known of the offset otherwise,
 ///
-/// `p(d) ~ exp(-S(d) / 2 s² - d² / 2 sigma²)`.
+/// `p(d) ~ exp(-S(d) / 2 s² - d² / 2 sigma²) (1 + exp(G(d) / 2 s²)) / 2`:
 ///
-/// Chords that rounding does not tell apart leave several peaks a chord apart; what lies outside the
-/// highest one becomes the offset's ambiguity.
-pub(super) fn find(model: &Model, values: &[f64], run: &mut RunInput) {
+/// a control may as well have rounded all facets out. Where its deviation is more than the catch of a facet, or where the
+/// pace lets times differ by more along the leg, the slope at a reading is not that of its chord: the path counts by
+/// its mean, and `p` by its mean and its variance, what `sigma` knows left out. Whether the facets of any leg were
+/// found that were not known before.
+pub(super) fn find(model: &Model, values: &[f64], run: &mut RunInput, look: Look) -> bool {
+    let mut found = false;
     let stride = stride(Detail::Smooth, run.samples().len());
     for leg in run.alignment.legs() {
-        let sigma_s = run.alignment.time_map.offset_sigmas_s[leg];
-        if sigma_s < 0.1 * FACET_S {
+        let map = &run.alignment.time_map;
+        let (sigma_s, catch_s, chord_s) =
+            (map.offset_sigmas_s[leg], catch_s(map, leg), map.chords[leg].lasts_s);
+        if look == Look::Again && map.chords[leg].blur_s <= 0.0 {
+            continue;
+        }
+        if sigma_s < 0.1 * catch_s {
+            found |= map.chords[leg].blur_s > 0.0;
+            run.alignment.time_map.chords[leg].see();
             continue;
         }
         let held = LegReadings::of_leg(model, values, run, leg, stride);
-        let reach = ((4.0 * sigma_s).clamp(0.1, FARTHEST_S) / SEARCH_STEP_S).ceil() as i32;
-        let misfits: Vec<(f64, f64)> = (-reach..=reach)
-            .map(|k| f64::from(k) * SEARCH_STEP_S)
-            .map(|shift_s| (shift_s, held.misfit(shift_s)))
-            .collect();
-        let peaks = peaks(&misfits);
-        let least = peaks.iter().map(|m| m.1).fold(f64::INFINITY, f64::min);
+        // By so much times differ along the leg that no offset takes up.
+        let along_s = 0.5 * held.lasts_s() * map.rate_sigma.hypot(map.pace_sigma);
+        let visible = chord_s > 0.0 && along_s < catch_s;
+        // Where the offset lies by all but what chords and reversals told before, as a shift from here.
+        let [prior_s, sigma_s] =
+            map.chords[leg].untold_s(map.offsets_s[leg], map.offset_sigmas_s[leg]);
+        let reach_s = (4.0 * sigma_s).clamp(5.0 * catch_s, FARTHEST_S);
+        let step_s = (catch_s / STEPS_A_CATCH).max(reach_s / MOST_STEPS);
+        let reach = (reach_s / step_s).ceil() as i32;
+        let shifts = (-reach..=reach).map(|k| f64::from(k) * step_s);
+        let misfits: Vec<(f64, Misfit)> =
+            shifts.map(|shift_s| (shift_s, held.misfit(shift_s, visible))).collect();
+        let left = misfits.iter().map(|(_, misfit)| misfit.steps - misfit.facets);
+        let least = left.fold(f64::INFINITY, f64::min);
         let scale = CORRELATED * least / held.readings.len().max(1) as f64;
         if scale <= 0.0 {
             continue;
         }
-        let cost =
-            |(shift_s, misfit): &(f64, f64)| 0.5 * (misfit / scale + (shift_s / sigma_s).powi(2));
-        let Some(best) = peaks.iter().min_by(|a, b| cost(a).total_cmp(&cost(b))) else { continue };
-        let (mut mass, mut outside_s2) = (0.0, 0.0);
-        for other in &peaks {
-            let weight = (cost(best) - cost(other)).exp();
-            mass += weight;
-            outside_s2 += weight * (other.0 - best.0).powi(2);
-        }
+        let cost = |shift_s: f64, misfit: &Misfit| {
+            let gain = 0.5 * misfit.facets / scale;
+            // ln(1 + exp(gain)), whatever the gain
+            let seen = gain.max(0.0) + (-gain.abs()).exp().ln_1p();
+            0.5 * (misfit.steps / scale + ((shift_s - prior_s) / sigma_s).powi(2)) - seen
+        };
+        let costs: Vec<(f64, f64)> =
+            misfits.iter().map(|(shift_s, misfit)| (*shift_s, cost(*shift_s, misfit))).collect();
+        let peaks = peaks(&costs);
+        let Some(best) = peaks.iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
+        let [mass, first_s, second_s2] =
+            costs.iter().fold([0.0; 3], |[mass, first, second], one| {
+                let (weight, aside_s) = ((best.1 - one.1).exp(), one.0 - best.0);
+                [mass + weight, first + weight * aside_s, second + weight * aside_s.powi(2)]
+            });
         let map = &mut run.alignment.time_map;
-        map.offsets_s[leg] -= best.0;
-        map.offset_sigmas_s[leg] = SEARCH_STEP_S;
-        map.ambiguities_s[leg] = (outside_s2 / mass).sqrt();
+        let outside_s = (second_s2 / mass).sqrt();
+        if visible && outside_s < catch_s {
+            found |= map.chords[leg].blur_s > 0.0;
+            map.chords[leg].see();
+            map.offsets_s[leg] -= best.0;
+            map.offset_sigmas_s[leg] = step_s;
+            map.chords[leg].ambiguity_s = outside_s;
+            continue;
+        }
+        // A whole number of chords, and as long as the times of readings are uncertain.
+        map.chords[leg].blur_s = chord_s
+            * (PLAUSIBLE * sigma_s / chord_s.max(f64::EPSILON)).clamp(1.0, MOST_CHORDS).ceil();
+        map.chords[leg].ambiguity_s = 0.0;
+        let mean_s = best.0 + first_s / mass;
+        let variance_s2 = (second_s2 / mass - (first_s / mass).powi(2)).max(step_s.powi(2));
+        let told = variance_s2.recip() - sigma_s.powi(2).recip();
+        map.chords[leg].told_s = (told > 0.0).then(|| {
+            let shift_s = (mean_s / variance_s2 - prior_s / sigma_s.powi(2)) / told;
+            [map.offsets_s[leg] - shift_s, told.recip().sqrt().hypot(along_s)]
+        });
     }
+    found
 }
 
-/// How far a settled leg is looked up again, s: some chords either way.
-const AGAIN_S: f64 = 0.2;
 /// A leg that leaves this many times the mean square of the others did not find its facets.
 const SUSPICIOUS: f64 = 1.5;
 
@@ -110,21 +171,23 @@ pub(super) fn doubts(model: &Model, values: &[f64], run: &RunInput) -> Vec<Doubt
         .filter(|(leg, found)| coarse(**leg) && **found > SUSPICIOUS * usual);
     suspicious
         .map(|(&leg, _)| {
-            let reach = (AGAIN_S / (2.0 * SEARCH_STEP_S)) as i32;
+            let catch_s = catch_s(map, leg);
+            let step_s = 2.0 * catch_s / STEPS_A_CATCH;
+            let reach = (10.0 * catch_s / step_s) as i32;
             let curve: Vec<(f64, f64)> = (-reach..=reach)
-                .map(|k| f64::from(k) * 2.0 * SEARCH_STEP_S)
+                .map(|k| f64::from(k) * step_s)
                 .map(|shift_s| (shift_s, misfit(leg, shift_s)))
                 .collect();
             let mut elsewhere = peaks(&curve);
-            elsewhere.retain(|peak| peak.0.abs() > FACET_S);
+            elsewhere.retain(|peak| peak.0.abs() > catch_s);
             elsewhere.sort_by(|a, b| a.1.total_cmp(&b.1));
             Doubt { leg, shifts_s: elsewhere.iter().map(|peak| peak.0).collect() }
         })
         .collect()
 }
 
-/// Lowest points of a sampled curve, between its samples, each by the parabola through three of them:
-/// two chords must not be told apart by how near a sample happens to lie.
+/// Lowest points of a sampled curve, each between its samples by the parabola through three of them. How low is what was
+/// sampled: beside a step a parabola goes far below.
 fn peaks(curve: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let lowest =
         curve.windows(3).filter(|three| three[1].1 <= three[0].1 && three[1].1 <= three[2].1);
@@ -134,13 +197,21 @@ fn peaks(curve: &[(f64, f64)]) -> Vec<(f64, f64)> {
             let bend = left - 2.0 * middle + right;
             let share = if bend > 0.0 { 0.5 * (left - right) / bend } else { 0.0 };
             let step_s = three[1].0 - three[0].0;
-            (three[1].0 + share * step_s, middle - 0.25 * (left - right) * share)
+            (three[1].0 + share * step_s, middle)
         })
         .collect();
     if peaks.is_empty() {
         peaks.extend(curve.iter().min_by(|a, b| a.1.total_cmp(&b.1)));
     }
     peaks
+}
+
+/// What a shift of a leg leaves.
+struct Misfit {
+    /// Sum of squares with the steps at reversals, mm².
+    steps: f64,
+    /// By how much facets lower it, mm².
+    facets: f64,
 }
 
 /// The readings of a leg, each with what a shift of the leg leaves of its prediction.
@@ -150,6 +221,7 @@ struct LegReadings<'a> {
     run: &'a RunInput,
     /// Sample, and its reading minus the slow part of the prediction, mm.
     readings: Vec<(&'a Sample, f64)>,
+    reversals_s: Vec<f64>,
 }
 
 impl<'a> LegReadings<'a> {
@@ -170,28 +242,67 @@ impl<'a> LegReadings<'a> {
                 (sample, view.residual_mm)
             })
             .collect();
-        Self { model, values, run, readings }
+        let reversals_s = run.alignment.trajectory.reversals_s();
+        Self { model, values, run, readings, reversals_s }
     }
 
-    /// Sum of squares with steps and facets a shift later, mm².
-    fn misfit(&self, shift_s: f64) -> f64 {
-        let coincidence_mm = self.run.alignment.coincidence_mm();
+    /// From the first of its readings to the last, s.
+    fn lasts_s(&self) -> f64 {
+        let [first, last] = [self.readings.first(), self.readings.last()]
+            .map(|reading| reading.map_or(0.0, |(sample, _)| sample.program_s));
+        last - first
+    }
+
+    /// Sum of squares with steps a shift later, and by how much facets lower it.
+    ///
+    /// `min over a of sum (left - a (facet - mean facet))²`, `0 <= a <= 1`: by how much a control rounds facets out is not
+    /// known yet.
+    fn misfit(&self, shift_s: f64, visible: bool) -> Misfit {
+        let alignment = &self.run.alignment;
+        let (coincidence_mm, trajectory) = (alignment.coincidence_mm(), &alignment.trajectory);
         let length_mm = |pose: &Pose, sample: &Sample| {
             self.model.length_mm(self.values, pose, &sample.motion, self.run.mounting)
         };
-        self.readings
+        let pairs: Vec<[f64; 2]> = self
+            .readings
             .iter()
             .map(|(sample, slow_mm)| {
-                let state = self.run.alignment.trajectory.at(sample.program_s + shift_s);
-                let facet_mm = (state.position_mm - coincidence_mm).norm() - self.run.nominal_mm;
-                let step_mm = if state.sense == sample.pose.sense {
-                    0.0
-                } else {
-                    let turned = Pose { sense: state.sense, ..sample.pose };
-                    length_mm(&turned, sample) - length_mm(&sample.pose, sample)
+                let program_s = sample.program_s + shift_s;
+                let state = trajectory.at(program_s);
+                let mean_mm = alignment.mean_mm(sample.leg, program_s, SMOOTH_S);
+                let facet_mm =
+                    (state.position_mm - coincidence_mm).norm() - alignment.radius_mm - mean_mm;
+                let left_mm = |sense: Vector3<f64>| {
+                    if sense == sample.pose.sense {
+                        return *slow_mm;
+                    }
+                    let turned = Pose { sense, ..sample.pose };
+                    slow_mm - (length_mm(&turned, sample) - length_mm(&sample.pose, sample))
                 };
-                (slow_mm - facet_mm - step_mm).powi(2)
+                let mut least_mm = left_mm(state.sense);
+                let from = self.reversals_s.partition_point(|s| *s < program_s - TURNING_S);
+                if self.reversals_s.get(from).is_some_and(|s| *s < program_s + TURNING_S) {
+                    for aside_s in [-TURNING_S, TURNING_S] {
+                        let other_mm = left_mm(trajectory.at(program_s + aside_s).sense);
+                        least_mm =
+                            if other_mm.abs() < least_mm.abs() { other_mm } else { least_mm };
+                    }
+                }
+                [least_mm, facet_mm]
             })
-            .sum()
+            .collect();
+        let mean_mm = pairs.iter().map(|pair| pair[1]).sum::<f64>() / pairs.len().max(1) as f64;
+        let (mut left, mut both, mut facets) = (0.0, 0.0, 0.0);
+        for [left_mm, facet_mm] in pairs {
+            let (left_mm, aside_mm) = (left_mm - mean_mm, facet_mm - mean_mm);
+            left += left_mm.powi(2);
+            both += left_mm * aside_mm;
+            facets += aside_mm.powi(2);
+        }
+        if !visible || facets <= 0.0 {
+            return Misfit { steps: left, facets: 0.0 };
+        }
+        let share = (both / facets).clamp(0.0, 1.0);
+        Misfit { steps: left, facets: share * (2.0 * both - share * facets) }
     }
 }

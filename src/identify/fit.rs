@@ -1,6 +1,7 @@
 //! The joint fit of coefficients and time maps.
 
 use super::columns::Columns;
+use super::facets::Look;
 use super::input::{Options, RunInput};
 use super::result::Identification;
 use super::state::{State, apart};
@@ -11,6 +12,8 @@ use crate::model::{Model, ParameterId};
 use crate::solve::Loss;
 use crate::solve::{self, Bordered, BorderedCovariance, BorderedSolution, Solution, Unknowns};
 
+/// So often facets are looked for again.
+const MOST_LOOKS: usize = 3;
 /// A doubtful leg is tried at so many other places.
 const MOST_PLACES: usize = 4;
 /// And stays there if the residual falls below this share of what it was.
@@ -32,13 +35,21 @@ pub fn identify(model: &Model, runs: Vec<RunInput>, options: &Options) -> Result
     let mut steps = 0;
     let coarse = fit.coarse_legs();
     if coarse {
+        fit.runs.iter_mut().for_each(|run| run.alignment.look_up_means());
         // With offsets known to a second, the facets of the chorded path only mislead: fit the smooth
         // part first, then find the facets, then fit all.
         steps += fit.iterate(timing::Detail::Smooth)?.steps;
-        fit.find_facets();
+        fit.find_facets(Look::First);
     }
     let mut outcome = fit.iterate(timing::Detail::Full)?;
     if coarse {
+        // The better times along a leg are known, the more legs show their facets.
+        for _ in 0..MOST_LOOKS {
+            if !fit.find_facets(Look::Again) {
+                break;
+            }
+            outcome = fit.iterate(timing::Detail::Full)?;
+        }
         outcome = fit.try_elsewhere(outcome);
     }
     if options.loss != Loss::Off {
@@ -133,15 +144,20 @@ impl<'a> Fit<'a> {
     fn coarse_legs(&self) -> bool {
         self.runs.iter().any(|run| {
             let map = &run.alignment.time_map;
-            run.alignment.legs().iter().any(|&leg| map.offset_sigmas_s[leg] > facets::FACET_S)
+            run.alignment
+                .legs()
+                .iter()
+                .any(|&leg| map.offset_sigmas_s[leg] > facets::catch_s(map, leg))
         })
     }
 
-    fn find_facets(&mut self) {
+    fn find_facets(&mut self, look: Look) -> bool {
+        let mut found = false;
         for run in &mut self.runs {
-            facets::find(self.model, &self.state.values, run);
+            found |= facets::find(self.model, &self.state.values, run, look);
             run.place();
         }
+        found
     }
 
     /// Fits again with every doubtful leg where else it could lie, and keeps what fits better.

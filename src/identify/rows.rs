@@ -144,6 +144,16 @@ impl Fit<'_> {
             push(row, map.on_leg_s(mark.log_s, leg) - mark.program_s, mark.sigma_s);
         }
         let legs = &self.columns.legs[index];
+        for &leg in legs {
+            let (Some(offset), Some([told_s, sigma_s])) =
+                (self.columns.offset(index, leg), map.chords[leg].told_s)
+            else {
+                continue;
+            };
+            row.fill(0.0);
+            row[offset] = 1.0;
+            push(row, told_s - map.offsets_s[leg], sigma_s);
+        }
         for two in legs.windows(2).filter(|two| map.hang_together(two[0], two[1])) {
             let [Some(first), Some(second)] =
                 [two[0], two[1]].map(|l| self.columns.offset(index, l))

@@ -27,6 +27,9 @@ const NO_WAY_DOWN: i32 = 6;
 const LATELY: usize = 5;
 /// After so many steps only down: a time that goes to and fro over a vertex of the path would do so for ever.
 const DOWNHILL_AFTER: usize = MOST_STEPS / 2;
+/// And then a fit is at rest whose sum of squares the last steps together lowered by less than this, in units of the noise:
+/// what the noise moves a single parameter by.
+const HARDLY: f64 = 1.0;
 /// As long as a step moves any time by this much, s, the samples that take part are chosen anew, and warily: a control
 /// may do everything this much later than planned, and a sample on the wrong side of a reversal pulls its time there.
 const MOVES_S: f64 = 0.005;
@@ -125,7 +128,11 @@ impl Fit<'_> {
             let count = rows.rows() as f64;
             // Rows are in units of the assumed noise: their rms corrects it.
             let scatter = self.state.correlated * solution.shared().residual_norm() / count.sqrt();
-            let gains_nothing = gained.is_some_and(|g| g.abs() < negligible) && halvings == 0;
+            let before_lately = misfits.len().checked_sub(LATELY).map(|k| misfits[k].powi(2));
+            let rests = steps > DOWNHILL_AFTER
+                && before_lately.is_some_and(|square| square - misfit.powi(2) < HARDLY);
+            let gains_nothing =
+                rests || gained.is_some_and(|g| g.abs() < negligible) && halvings == 0;
             halvings = 0;
             let near = detail == timing::Detail::Smooth || change < NEARLY * scatter * count.sqrt();
             // Sums of squares of other samples do not compare: to and fro is told by the steps themselves.

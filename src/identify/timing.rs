@@ -7,9 +7,11 @@ use crate::align::Sample;
 use crate::machine::Pose;
 use crate::model::Model;
 
+/// Over this long the path counts in its mean while times are known to a second, s.
+pub(super) const SMOOTH_S: f64 = 0.4;
 /// So near to a reversal the sense of a slide is not known, s: each slide follows the program late by some
 /// milliseconds, and the offset of a leg takes on what they have in common only.
-const TURNING_S: f64 = 0.01;
+pub(super) const TURNING_S: f64 = 0.01;
 /// What of the path a residual is taken against.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Detail {
@@ -86,29 +88,39 @@ pub(super) fn view(
         let length_mm = model.length_mm(values, pose, &sample.motion, run.mounting);
         length_mm - (pose.position_mm - coincidence_mm).norm()
     };
-    let commanded_mm = |position_mm: &Vector3<f64>| match detail {
-        Detail::Full => (position_mm - coincidence_mm).norm() - run.nominal_mm,
-        // What a slide is late by is no facet.
-        Detail::Smooth => {
-            (position_mm - coincidence_mm).norm() - (position_mm + late_mm - coincidence_mm).norm()
+    let length_mm = |position_mm: &Vector3<f64>| (position_mm - coincidence_mm).norm();
+    // What a slide is late by is no facet.
+    let late_only_mm =
+        |position_mm: &Vector3<f64>| length_mm(position_mm) - length_mm(&(position_mm + late_mm));
+    let (facets_count, mean_s) = match detail {
+        Detail::Full => (map.chords[sample.leg].blur_s <= 0.0, map.chords[sample.leg].blur_s),
+        Detail::Smooth => (false, SMOOTH_S),
+    };
+    let commanded_mm = |then_s: f64, position_mm: &Vector3<f64>| {
+        if facets_count {
+            length_mm(position_mm)
+        } else {
+            let mean_mm = run.alignment.mean_mm(sample.leg, then_s, mean_s);
+            run.alignment.radius_mm + mean_mm + late_only_mm(position_mm)
         }
     };
     // Where facets do not count, long enough to see over them; where they do, short against one, but not
     // so short that a vertex between this step's time and the next turns the slope at once.
     // The slope of a mean over a window is that from one end of it to the other.
     let node_s = run.alignment.node_s();
+    let window_s = if node_s > 0.0 { run.alignment.sample_period_s } else { 0.0 };
     let step_s = match detail {
-        Detail::Full if node_s > 0.0 => 0.5 * run.alignment.sample_period_s,
+        Detail::Full if window_s > 0.0 => 0.5 * window_s,
         Detail::Full => STEP_S,
-        Detail::Smooth => 0.2,
+        Detail::Smooth => 0.5 * SMOOTH_S,
     };
-    let beside = |sign: f64| {
-        let then_s = sample.program_s + sign * step_s;
+    let [before_s, after_s] = [-1.0, 1.0].map(|sign| sample.program_s + sign * step_s);
+    let beside = |then_s: f64| {
         let position_mm =
             run.alignment.followed_mm(then_s, sample.block, map.following_s) - late_mm;
         Pose { position_mm, sense: sample.pose.sense }
     };
-    let (before, after) = (beside(-1.0), beside(1.0));
+    let (before, after) = (beside(before_s), beside(after_s));
     let here_mm = errs_mm(&sample.pose);
     // Errors are smooth over some milliseconds, and the path with its vertices is not.
     let errs_grow_mm = if step_s <= STEP_S {
@@ -116,8 +128,8 @@ pub(super) fn view(
     } else {
         errs_mm(&after) - errs_mm(&before)
     };
-    let grows_mm =
-        errs_grow_mm + commanded_mm(&after.position_mm) - commanded_mm(&before.position_mm);
+    let grows_mm = errs_grow_mm + commanded_mm(after_s, &after.position_mm)
+        - commanded_mm(before_s, &before.position_mm);
     let ball_mm = sample.pose.position_mm - coincidence_mm;
     let along = ball_mm.try_normalize(f64::EPSILON).unwrap_or_else(Vector3::zeros);
     let followed = |aside_s: f64, following_s: f64| {
@@ -130,18 +142,20 @@ pub(super) fn view(
         }
     };
     // The sphere alone knows nothing of corners, and of radii little.
-    let following_mm_s = match detail {
-        Detail::Full => {
-            let low_s = (map.following_s - FOLLOWING_STEP_S).max(0.0);
-            let high_s = map.following_s + FOLLOWING_STEP_S;
-            (following(high_s) - following(low_s)) / (high_s - low_s)
-        }
-        Detail::Smooth => 0.0,
+    let following_mm_s = if facets_count {
+        let low_s = (map.following_s - FOLLOWING_STEP_S).max(0.0);
+        let high_s = map.following_s + FOLLOWING_STEP_S;
+        (following(high_s) - following(low_s)) / (high_s - low_s)
+    } else {
+        0.0
+    };
+    // Where its mean counts, the sample is laid on it already.
+    let commanded_mm = match detail {
+        Detail::Full => length_mm(&sample.pose.position_mm),
+        Detail::Smooth => commanded_mm(sample.program_s, &sample.pose.position_mm),
     };
     View {
-        residual_mm: sample.deviation_mm
-            - (here_mm + commanded_mm(&sample.pose.position_mm))
-            - map.cut_mm,
+        residual_mm: sample.deviation_mm - (here_mm + commanded_mm - run.nominal_mm) - map.cut_mm,
         following_mm_s,
         delayed_mm_s: -along.component_mul(velocity_mm_s),
         speed_mm_s: grows_mm / (2.0 * step_s),

@@ -336,7 +336,7 @@ fn pauses(map: &TimeMap) -> Vec<PauseResult> {
             } else {
                 0.0
             };
-            let sigma = |leg: usize| map.offset_sigmas_s[leg].hypot(map.ambiguities_s[leg]);
+            let sigma = |leg: usize| map.offset_sigmas_s[leg].hypot(map.chords[leg].ambiguity_s);
             let variance = sigma(before).powi(2) + sigma(after).powi(2) - 2.0 * shared;
             PauseResult {
                 program_s,
