@@ -95,13 +95,16 @@ pub(super) fn find(model: &Model, values: &[f64], run: &mut RunInput, look: Look
             misfits.iter().map(|(shift_s, misfit)| (*shift_s, cost(*shift_s, misfit))).collect();
         let peaks = peaks(&costs);
         let Some(best) = peaks.iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
-        let [mass, first_s, second_s2] =
-            costs.iter().fold([0.0; 3], |[mass, first, second], one| {
+        let [mass, first_s, second_s2, outside_s2] =
+            costs.iter().fold([0.0; 4], |[mass, first, second, outside], one| {
                 let (weight, aside_s) = ((best.1 - one.1).exp(), one.0 - best.0);
-                [mass + weight, first + weight * aside_s, second + weight * aside_s.powi(2)]
+                let square = weight * aside_s.powi(2);
+                // Inside the catch the fit tells the offset and how well it does.
+                let outside = if aside_s.abs() > catch_s { outside + square } else { outside };
+                [mass + weight, first + weight * aside_s, second + square, outside]
             });
         let map = &mut run.alignment.time_map;
-        let outside_s = (second_s2 / mass).sqrt();
+        let outside_s = (outside_s2 / mass).sqrt();
         if visible && outside_s < catch_s {
             found |= map.chords[leg].blur_s > 0.0;
             map.chords[leg].see();
