@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use ballbar::compensate::{Analysed, ErrorModel, Field, MOST_POINTS, Measured, VolumeMap};
+use ballbar::compensate::{Analysed, Field, MOST_POINTS, Measured, VolumeMap};
 use ballbar::machine::Axis;
 use ballbar::report::{Mapped, volume_json};
 use numpy::{PyArray1, PyArray2};
@@ -121,18 +121,11 @@ impl Source {
                     Identified::Extended(of) => Some(&of.diagnosis),
                 };
                 let (test, machine) = (&stated.test, &stated.machine);
-                let errors = ErrorModel::of(test, machine, &stated.campaign, diagnosis);
-                let errors = errors.ok_or_else(|| {
+                Analysed::of(test, machine, &stated.campaign, diagnosis).ok_or_else(|| {
                     ballbar::Error::input(
                         "this test does not describe the machine where it was measured",
                     )
                     .hint("identify it without terms=, or with terms=[\"local\"]")
-                })?;
-                Ok(Analysed {
-                    file: test.file().to_path_buf(),
-                    test: test.name().to_owned(),
-                    compensation: test.record().compensation.clone(),
-                    errors,
                 })
             }
         }

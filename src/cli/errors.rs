@@ -8,7 +8,6 @@ use nalgebra::Vector3;
 use super::estimate::Selection;
 use super::output::Talk;
 use crate::compensate::{Analysed, ErrorModel, Field, Measured, Shrunk, Sigmas, Volume, VolumeMap};
-use crate::diagnose::{Diagnosis, Finding};
 use crate::error::{Error, Kind, Place, Result};
 use crate::identify::Failure;
 use crate::monitor::resolved;
@@ -47,30 +46,14 @@ impl Errors {
         let identified = selection.identify_or(Failure::LeaveOut, talk)?.diagnosed(talk)?;
         let (test, machine) = (&identified.test, &identified.machine);
         let diagnosis = identified.diagnosis.as_ref();
-        let errors = ErrorModel::of(test, machine, &identified.campaign, diagnosis);
-        let errors = errors.ok_or_else(|| {
+        let analysed = Analysed::of(test, machine, &identified.campaign, diagnosis);
+        let analysed = analysed.ok_or_else(|| {
             Error::input("this test does not describe the machine where it was measured")
                 .at(Place::file(&self.source))
                 .hint("leave `terms` out of it, or write `terms = [\"local\"]`")
         })?;
-        let analysed = Analysed {
-            file: self.source.clone(),
-            test: test.name().to_owned(),
-            compensation: test.record().compensation.clone(),
-            found: diagnosis.map_or_else(Vec::new, found),
-            errors,
-        };
         Ok((selection.read(&identified), analysed))
     }
-}
-
-/// What was found, by what it is and where it acts.
-fn found(diagnosis: &Diagnosis) -> Vec<(String, f64)> {
-    let title = |of: &Finding| match of.element.shape() {
-        Some(shape) => format!("{}, {}", shape.cause.title, shape.seat),
-        None => "unexplained".to_owned(),
-    };
-    diagnosis.findings.iter().map(|of| (title(of), of.rms_mm)).collect()
 }
 
 /// The errors that are worth compensating: shrunk where they are smaller than their uncertainty.

@@ -6,10 +6,13 @@ use serde::Deserialize;
 
 use super::error_model::ErrorModel;
 use super::stored::Stored;
+use crate::diagnose::{Diagnosis, Finding};
 use crate::error::{Error, Place, Result};
+use crate::identify::Campaign;
 use crate::input;
 use crate::machine::Machine;
 use crate::monitor::Past;
+use crate::plan::Test;
 
 #[derive(Deserialize)]
 struct RawAnalysis {
@@ -50,6 +53,28 @@ impl Analysed {
 }
 
 impl Analysed {
+    /// Of a test that was just identified, and diagnosed; `None` where it does not describe the machine where it was
+    /// measured.
+    pub fn of(
+        test: &Test,
+        machine: &Machine,
+        campaign: &Campaign,
+        diagnosis: Option<&Diagnosis>,
+    ) -> Option<Self> {
+        let title = |of: &Finding| match of.element.shape() {
+            Some(shape) => format!("{}, {}", shape.cause.title, shape.seat),
+            None => "unexplained".to_owned(),
+        };
+        let findings = diagnosis.iter().flat_map(|diagnosis| &diagnosis.findings);
+        Some(Self {
+            file: test.file().to_path_buf(),
+            test: test.name().to_owned(),
+            compensation: test.record().compensation.clone(),
+            found: findings.map(|of| (title(of), of.rms_mm)).collect(),
+            errors: ErrorModel::of(test, machine, campaign, diagnosis)?,
+        })
+    }
+
     /// Reads an `analysis.json`, and the machine file that it names or another one that is given.
     ///
     /// # Errors
