@@ -2,15 +2,18 @@
 //!
 //! A step of the readings that the lines before and after it show is tried as one of the bar's length: it is taken out of
 //! all readings after it, by as much as fits best. It is a slip if it makes the fit better beyond chance *and* comes out as
-//! large as it is seen at its moment. A ball that was knocked steps by another amount in every other direction of the bar.
+//! large as it is seen at its moment, *and* explains more than a ball that was knocked then: that steps by another amount in
+//! every other direction of the bar.
 
 use super::fit::identify;
 use super::input::{Options, RunInput};
+use super::linearised::LinearSample;
 use super::record::Record;
 use super::result::Identification;
 use crate::align::Slip;
 use crate::error::Result;
 use crate::model::Model;
+use crate::solve::{Cholesky, Matrix, dot};
 
 /// A gain, in units of the noise, that the best of some thousand moments does not reach by chance: twice the logarithm of
 /// their number, and 14 to spare for 1 in 1000.
@@ -19,6 +22,8 @@ const BEYOND_CHANCE: f64 = 30.0;
 const IN_A_GAP: f64 = 0.25;
 /// And by so many standard deviations where there was none.
 const SIGMAS: f64 = 4.0;
+/// What is added to the square of a step of a ball, as a share of it: one that the model spans stays small.
+const RIDGE: f64 = 1e-6;
 /// So many readings either side of a step show what a fit leaves of it.
 const NEXT_TO_IT: usize = 12;
 /// The size is found as the lowest point of a parabola, which is drawn again about that, closer, until it hardly moves.
@@ -76,7 +81,7 @@ pub(super) fn identify_beside_slips(
         let better = best.as_ref().map_or(true, |plain| {
             squares(plain) - squares(&fitted) > BEYOND_CHANCE * fitted.noise.long_run_variance()
         });
-        if better {
+        if better && !is_of_a_ball(&fitted, model, options, index, &Slip { step_mm, ..slip })? {
             runs = without(step_mm);
             best = Ok(fitted);
         }
@@ -87,6 +92,45 @@ pub(super) fn identify_beside_slips(
 /// Sum of squares that a fit leaves, mm².
 fn squares(of: &Identification) -> f64 {
     of.rms_mm.powi(2) * of.used as f64
+}
+
+/// Whether a ball that moved at the moment of a slip explains more than the slip, which the readings of this fit are
+/// without.
+///
+/// With `c` the column of the slip, `s` its size, `X` those of a step of the ball along X, Y and Z, `R` what the fit leaves
+/// and `P` what it does not follow, the slip lowers the sum of squares further by `(c R)² / (c P c)`, and the ball in its place
+///
+/// `g (X P X)^-1 g - 2 s c R - s² c P c`, `g = X (R + s P c)`.
+fn is_of_a_ball(
+    fit: &Identification,
+    model: &Model,
+    options: &Options,
+    index: usize,
+    slip: &Slip,
+) -> Result<bool> {
+    let step_mm = slip.step_mm;
+    let linear = fit.linearised(model, options)?;
+    let left_mm: Vec<f64> = linear.samples.iter().map(|of| of.left_mm * of.root_weight).collect();
+    let columns: [Vec<f64>; 4] = [None, Some(0), Some(1), Some(2)].map(|along: Option<usize>| {
+        let of_sample = |of: &LinearSample| {
+            let after = of.run == index && of.record.sample.log_s >= slip.log_s;
+            let by = along.map_or(1.0, |axis| of.situation.direction[axis]);
+            if after { by * of.root_weight } else { 0.0 }
+        };
+        linear.samples.iter().map(of_sample).collect()
+    });
+    let outside = columns.each_ref().map(|column| linear.basis.outside(column));
+    let [slipped, ball @ ..] = &columns;
+    let (common, own) = (dot(slipped, &left_mm), dot(slipped, &outside[0]));
+    let normal = Matrix::from_fn(3, 3, |i, k| {
+        let ridge = if i == k { RIDGE * dot(&ball[i], &ball[i]) } else { 0.0 };
+        dot(&ball[i], &outside[1 + k]) + ridge
+    });
+    let Some(normal) = Cholesky::of(&normal) else { return Ok(false) };
+    let of_ball = ball.each_ref().map(|x| dot(x, &left_mm) + step_mm * dot(x, &outside[0]));
+    let by_ball_mm2 = dot(&normal.solve(&of_ball), &of_ball);
+    let back_mm2 = 2.0 * step_mm * common + step_mm * step_mm * own;
+    Ok(by_ball_mm2 - back_mm2 > common * common / own.max(f64::MIN_POSITIVE))
 }
 
 /// Whether a fit explains a step: what it leaves of the readings next to it that took part steps by less than half of it.
