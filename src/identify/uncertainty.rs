@@ -26,6 +26,9 @@ pub(super) struct Decided {
 
 /// How often the noise model is told what the fit has taken out of its own residuals.
 const NOISE_PASSES: usize = 3;
+/// Noise hangs together for no longer than that whose correlation falls to a third within half of this time, s: so many
+/// readings count for one. What lasts longer than that is no noise of readings.
+const NOISE_S: f64 = 2.0;
 
 impl Fit<'_> {
     /// Noise model, covariance, and everything that is told.
@@ -115,13 +118,15 @@ impl Fit<'_> {
                 covariances.push_segment(&of_run[segment]);
             }
         }
-        let mut noise = NoiseModel::fit(&covariances, order)?;
+        let period_s = self.runs.iter().map(|run| run.alignment.sample_period_s);
+        let most = 1.0 + NOISE_S / period_s.fold(f64::INFINITY, f64::min);
+        let mut noise = NoiseModel::fit(&covariances, order)?.within(most);
         // The order stays: on few samples a free one takes what is given back for a correlation without
         // end, asks for more, and runs away.
         let order = noise.phi().len();
         for _ in 0..NOISE_PASSES {
             let whole = covariances.with_fitted(fitted, noise.long_run_variance());
-            noise = NoiseModel::fit(&whole, order)?;
+            noise = NoiseModel::fit(&whole, order)?.within(most);
         }
         Ok(noise)
     }

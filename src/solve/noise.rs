@@ -21,6 +21,9 @@ use super::matrix::dot;
 use crate::error::Kind;
 use crate::{Error, Result};
 
+/// How often an interval from 0 to 1 is halved: to a millionth.
+const HALVINGS: usize = 20;
+
 /// Sums of products of residuals at equal distances, pooled over segments.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Autocovariances {
@@ -50,10 +53,12 @@ impl Autocovariances {
     /// With `P` the projection on the columns, the residuals have the covariance `(1 - P) Sigma (1 - P)`.
     /// Columns that change little over the correlation of the noise see its `long_run_variance` `v`
     /// only, `P Sigma = v P`, and then a sum over `n` pairs of `N` samples has lost `v n parameters / N`
-    /// at every distance alike.
+    /// at every distance alike. Where that is more than what is left, the columns do change: so much of a variance is in no
+    /// few directions, and no more is given back than is left.
     #[must_use]
     pub fn with_fitted(&self, parameters: usize, long_run_variance: f64) -> Self {
-        let each = long_run_variance * parameters as f64 / self.samples().max(1) as f64;
+        let samples = self.samples().max(1) as f64;
+        let each = (long_run_variance * parameters as f64 / samples).min(self.sums[0] / samples);
         let sums = self.sums.iter().zip(&self.pairs).map(|(sum, n)| sum + each * *n as f64);
         Self { sums: sums.collect(), pairs: self.pairs.clone() }
     }
@@ -179,6 +184,32 @@ impl NoiseModel {
     /// `(sigma_i / (1 - sum phi))^2`, in the unit of the residuals, squared.
     pub fn long_run_variance(&self) -> f64 {
         (self.innovation_sigma / (1.0 - self.phi.iter().sum::<f64>())).powi(2)
+    }
+
+    /// The same where its mean over many samples scatters by no more than `most` times what that of independent ones
+    /// would: else with the correlations `rho_k g^k`, `g` below 1, that do.
+    ///
+    /// What a fit leaves of something that is no noise changes so little from sample to sample that an autoregression
+    /// takes it for a correlation without end.
+    #[must_use]
+    pub fn within(&self, most: f64) -> Self {
+        let damped = |g: f64| {
+            let powers = std::iter::successors(Some(g), |power| Some(power * g));
+            let phi = self.phi.iter().zip(powers).map(|(phi, power)| phi * power).collect();
+            Self::autoregressive(phi, 1.0).ok()
+        };
+        let ratio = |noise: &Self| noise.long_run_variance() / noise.sigma.powi(2);
+        if self.sigma == 0.0 || ratio(self) <= most {
+            return self.clone();
+        }
+        let (mut enough, mut too_much) = (0.0, 1.0);
+        for _ in 0..HALVINGS {
+            let g = 0.5 * (enough + too_much);
+            let within = damped(g).is_some_and(|noise| ratio(&noise) <= most);
+            *(if within { &mut enough } else { &mut too_much }) = g;
+        }
+        damped(enough)
+            .map_or_else(|| Self::white(self.sigma), |of| of.scaled(self.sigma / of.sigma))
     }
 
     /// The same correlations with every standard deviation multiplied by `factor`, for residuals that
@@ -391,6 +422,28 @@ mod tests {
             let expected = variance * 0.9_f64.powf(lag as f64);
             assert!((covariance / expected - 1.0).abs() < 0.02, "{lag}: {covariance} {expected}");
         }
+    }
+
+    #[test]
+    fn what_lasts_is_damped_to_as_many_readings_as_are_plausible() {
+        let noise = NoiseModel::autoregressive(vec![1.2, -0.202], 0.1).unwrap();
+        let most = 21.0;
+        assert!(noise.long_run_variance() > 1000.0 * most * noise.sigma().powi(2) / 100.0);
+        let within = noise.within(most);
+        assert!((within.sigma() / noise.sigma() - 1.0).abs() < 1e-12);
+        let ratio = within.long_run_variance() / within.sigma().powi(2);
+        assert!(ratio <= most && ratio > 0.999 * most, "{ratio}");
+        // What is plausible stays as it is.
+        let plausible = NoiseModel::autoregressive(vec![0.8], 0.6).unwrap();
+        assert_eq!(plausible.within(most), plausible);
+        assert_eq!(NoiseModel::white(0.0).within(most), NoiseModel::white(0.0));
+    }
+
+    #[test]
+    fn never_more_is_given_back_than_was_left() {
+        let mut all = Autocovariances::new(1);
+        all.push_segment(&[1.0; 10]);
+        assert_eq!(all.with_fitted(40, 100.0).unbiased(), [2.0, 2.0]);
     }
 
     #[test]
