@@ -9,6 +9,8 @@ use crate::motion::{BlockKind, Trajectory};
 pub struct Break {
     /// Program time, s: of an operator's pause when it begins, else when the machine moves on.
     pub program_s: f64,
+    /// Since when the machine stands there, s of program time.
+    pub since_s: f64,
     /// Whether the machine stands there until the operator presses start.
     pub operator: bool,
 }
@@ -39,20 +41,26 @@ pub(super) fn chords_s(breaks: &[Break], trajectory: &Trajectory) -> Vec<f64> {
 /// and moves on.
 pub(super) fn breaks(trajectory: &Trajectory, engaged_s: &Range<f64>) -> Vec<Break> {
     let mut breaks: Vec<Break> = Vec::new();
-    // Whether the machine stands, and whether the operator has it.
-    let (mut stands, mut operator) = (false, false);
+    // Since when the machine stands, and whether the operator has it.
+    let (mut stands_s, mut operator) = (None, false);
     for block in trajectory.blocks() {
         match block.kind {
             BlockKind::Stop => {
-                breaks.push(Break { program_s: block.start_s, operator: true });
-                (stands, operator) = (true, true);
+                let program_s = block.start_s;
+                let since_s = stands_s.unwrap_or(program_s);
+                breaks.push(Break { program_s, since_s, operator: true });
+                (stands_s, operator) = (Some(since_s), true);
             }
-            BlockKind::Dwell => stands = true,
+            BlockKind::Dwell => stands_s = stands_s.or(Some(block.start_s)),
             BlockKind::Rapid | BlockKind::Feed => {
-                if stands && !operator && engaged_s.contains(&block.start_s) {
-                    breaks.push(Break { program_s: block.start_s, operator: false });
+                let program_s = block.start_s;
+                if let Some(since_s) =
+                    stands_s.filter(|_| !operator && engaged_s.contains(&program_s))
+                {
+                    breaks.push(Break { program_s, since_s, operator: false });
                 }
-                (stands, operator) = (block.ends_at_rest(), false);
+                stands_s = block.ends_at_rest().then(|| block.start_s + block.duration_s);
+                operator = false;
             }
         }
     }

@@ -185,6 +185,21 @@ fn a_time_in_a_pause_is_the_pause_and_any_other_comes_back() {
 }
 
 #[test]
+fn where_two_legs_overlap_the_better_known_one_is_believed() {
+    let trajectory = Bench::new(&format!("stop_between_arcs = true\n{ARCS}")).trajectory();
+    let mut map = TimeMap::new(&trajectory, 0.0..0.0, 100.0);
+    let stop_s = map.stops_s()[0];
+    // The second leg begins two seconds before the first one ends.
+    (map.offsets_s[0], map.offsets_s[1]) = (0.0, -2.0);
+    for (sigmas_s, leg) in [([1e-3, 0.05], 0), ([0.05, 1e-3], 1)] {
+        map.offset_sigmas_s[..2].copy_from_slice(&sigmas_s);
+        assert_eq!(map.at(stop_s - 1.0).leg, leg);
+        assert_eq!(map.at(stop_s - 2.5).leg, 0);
+        assert_eq!(map.at(stop_s + 0.5).leg, 1);
+    }
+}
+
+#[test]
 fn an_engagement_lasts_from_one_edge_of_the_range_to_the_other() {
     let bench = Bench::new(ARCS);
     let (trajectory, rig) = (bench.trajectory(), bench.rig());

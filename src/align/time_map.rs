@@ -320,11 +320,15 @@ impl TimeMap {
         // Legs follow each other in log time as well, because no pause is shorter than nothing.
         for (leg, at) in self.breaks.iter().enumerate() {
             let program_s = self.on_leg_s(log_s, leg);
-            if self.offset_sigmas_s[leg].is_finite() && program_s < at.program_s {
-                return Moment { program_s, leg, in_stop: false };
-            }
             let after_s = self.on_leg_s(log_s, leg + 1);
             let next_known = self.offset_sigmas_s[leg + 1].is_finite();
+            // By both the machine moves: the better known one is believed.
+            let overtaken = program_s < at.since_s
+                && after_s >= at.program_s
+                && self.offset_sigmas_s[leg + 1] < self.offset_sigmas_s[leg];
+            if self.offset_sigmas_s[leg].is_finite() && program_s < at.program_s && !overtaken {
+                return Moment { program_s, leg, in_stop: false };
+            }
             if next_known && after_s < at.program_s {
                 return Moment { program_s: at.program_s, leg: leg + 1, in_stop: true };
             }
