@@ -205,7 +205,8 @@ impl Alignment {
                 pose: Pose { position_mm: state.position_mm, sense: state.sense },
                 motion: Motion {
                     velocity_mm_s: state.velocity_mm_s,
-                    elapsed_s: (1.0 + time_map.rate) * (log_s - self.began_log_s),
+                    // By the clock of the bar: a feed that is not as stated makes the program longer, and no time constant.
+                    elapsed_s: log_s - self.began_log_s,
                     program_s: moment.program_s,
                     reversals: self.reversals.last(moment.program_s, &state.position_mm),
                     corner: trajectory.corner(moment.program_s, state.block),

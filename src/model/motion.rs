@@ -25,7 +25,7 @@ pub struct Corner {
 pub struct Motion {
     /// Velocity of X, Y, Z, mm/s.
     pub velocity_mm_s: Vector3<f64>,
-    /// Time since the program began, the operator's pauses included, s.
+    /// Time since the program began by the clock of the bar, the operator's pauses included, s.
     pub elapsed_s: f64,
     /// Time in the program, the operator's pauses left out, s: the same place of a program has the same in all runs.
     pub program_s: f64,

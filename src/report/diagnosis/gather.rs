@@ -142,7 +142,7 @@ fn in_the_log(of: &Finding, identifications: &[Identification]) -> Option<String
     let Owner::One { repeat, run } = of.owner() else { return None };
     let moment_s = of.effects.first()?.get("moment");
     let run = identifications.get(repeat)?.runs.get(run)?;
-    let log_s = run.alignment.began_log_s + moment_s / (1.0 + run.alignment.time_map.rate);
+    let log_s = run.alignment.began_log_s + moment_s;
     log_s.is_finite().then(|| format!("In the log of {}: at {} s.", run.name, fixed(log_s, 1)))
 }
 
