@@ -1,7 +1,7 @@
 //! The grid: every trial a campaign of its own, drawn over tests, machines, rates, motions, runs and noises.
 //!
-//! What of an effect lies outside of the model is worked out on the same programs and machine, driven as planned and
-//! read at most [`STAGE_HZ`] times a second.
+//! What of an effect lies outside of the model is worked out on the same programs and machine, driven as planned, as fast as they
+//! really are, and read at most [`STAGE_HZ`] times a second.
 
 mod course;
 mod days;
@@ -65,7 +65,6 @@ impl Grid {
         let mut planned = days.clone();
         for day in &mut planned {
             day.control = Control::AS_PLANNED;
-            day.feed_override = 1.0;
             day.sample_rate_hz = day.sample_rate_hz.map(|rate_hz| rate_hz.min(STAGE_HZ));
         }
         let stage = Stage::of(&course, planned, true)?;
