@@ -105,6 +105,12 @@ impl<'a> Search<'a> {
             candidates.retain(|candidate| !candidate.element.is_common_delay());
         }
         let mut best = closely(beside, candidates, least);
+        if let Some(first) = best.first_mut()
+            && let Some(lower) = vibration::lowest(beside, &first.fitted)
+        {
+            first.score_mm2 += lower.gain_mm2 - first.fitted.gain_mm2;
+            first.fitted = lower;
+        }
         let mut tuning = None;
         if let Some(first) = best.first_mut().filter(|_| !self.tuning.differs())
             && let Some(found) = vibration::tuned(beside, &first.fitted.elements[0])

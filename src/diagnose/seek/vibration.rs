@@ -7,7 +7,7 @@ use rustfft::num_complex::Complex;
 use super::candidate::Candidate;
 use crate::diagnose::thresholds::TUNED;
 use crate::model::{Cause, Form, Inner, Seat, Shape, Start};
-use crate::residual::{Beside, Element, Owner, Sample, Tuning};
+use crate::residual::{self, Beside, Element, Fitted, Noise, Owner, Sample, Tuning};
 use crate::solve::median;
 
 /// Slower than this is no vibration, Hz.
@@ -72,19 +72,67 @@ pub(crate) fn candidates(
     let mut found: Vec<Candidate> = tried
         .into_par_iter()
         .map(|(seat, about_hz)| {
-            let step_hz = 0.25 / beside.residuals.longest_s();
-            let near = (-4..=4).map(|k| about_hz + f64::from(k) * step_hz);
-            let gains = near.map(|hz| (hz, coherent_mm2(beside, tuning, seat, hz)));
-            let best = gains.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((about_hz, 0.0));
-            let shape = Shape { cause, seat, inner: Some(best.0) };
+            let (hz, gain_mm2) = nearby(beside, tuning, seat, about_hz);
+            let shape = Shape { cause, seat, inner: Some(hz) };
             let tuning = tuning.clone();
             let element = Element { form: Form::Cause(shape), owner: Owner::EachRun, tuning };
-            Candidate { element, gain_mm2: best.1 }
+            Candidate { element, gain_mm2 }
         })
         .collect();
     found.sort_by(|a, b| b.gain_mm2.total_cmp(&a.gain_mm2));
     found.truncate(CLOSELY);
     found
+}
+
+/// A vibration of the lowest frequency that the readings do not tell from this one: by a clock that reads every 0.1 s
+/// exactly, 2.3 Hz and 27.7 Hz are one. `None` where that is itself, or it is no vibration.
+pub(crate) fn lowest(beside: &Beside, fitted: &Fitted) -> Option<Fitted> {
+    let element = fitted.elements.first().filter(|element| is_line(element))?;
+    let shape = element.shape()?;
+    let frequency_hz = shape.inner?;
+    let mut lower_hz: Vec<f64> = periods_s(beside)
+        .into_iter()
+        .flat_map(|period_s| (1..=2 * FOLDS).map(move |fold| fold as f64 / period_s))
+        .map(|of_fold| (frequency_hz - of_fold).abs())
+        .filter(|hz| *hz > SLOWEST_HZ && *hz < frequency_hz)
+        .collect();
+    lower_hz.sort_by(f64::total_cmp);
+    let told_mm2 = TUNED * Noise::of(beside.residuals, &fitted.left_mm(beside)).long_run_mm2;
+    lower_hz.into_iter().find_map(|about_hz| {
+        let (hz, _) = nearby(beside, &element.tuning, shape.seat, about_hz);
+        let form = Form::Cause(Shape { inner: Some(hz), ..*shape });
+        let lower = residual::fit(beside, vec![Element { form, ..element.clone() }])?;
+        (lower.gain_mm2 > fitted.gain_mm2 - told_mm2).then_some(lower)
+    })
+}
+
+/// Whether it is a line in the spectrum.
+fn is_line(element: &Element) -> bool {
+    let inner = element.shape().and_then(|shape| shape.law().inner());
+    matches!(inner, Some(Inner { start: Start::Lines, .. }))
+}
+
+/// How far apart readings are, s, of each sample rate.
+fn periods_s(beside: &Beside) -> Vec<f64> {
+    let repeats = beside.residuals.repeats.iter();
+    let runs = repeats.flat_map(|of| of.runs.iter().map(|run| &of.samples[run.samples.clone()]));
+    let mut periods_s: Vec<f64> = runs.filter_map(period_s).collect();
+    periods_s.sort_by(f64::total_cmp);
+    periods_s.dedup_by(|a, b| same_period(*a, *b));
+    periods_s
+}
+
+/// Whether two distances of samples are of one sample rate.
+fn same_period(one_s: f64, other_s: f64) -> bool {
+    (one_s / other_s - 1.0).abs() < 0.01
+}
+
+/// The frequency near another one (Hz) that explains most, and what that is, mm².
+fn nearby(beside: &Beside, tuning: &Tuning, seat: Seat, about_hz: f64) -> (f64, f64) {
+    let step_hz = 0.25 / beside.residuals.longest_s();
+    let near = (-4..=4).map(|k| about_hz + f64::from(k) * step_hz);
+    let gains = near.map(|hz| (hz, coherent_mm2(beside, tuning, seat, hz)));
+    gains.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((about_hz, 0.0))
 }
 
 /// What a line of one frequency explains with a phase of its own in every run, mm², where nothing of it is
@@ -118,9 +166,7 @@ fn in_run_mm2(beside: &Beside, repeat: usize, run: usize, seat: Seat, frequency_
 ///
 /// The source is no clock, and two clocks are no clock either.
 pub(crate) fn tuned(beside: &Beside, element: &Element) -> Option<Tuning> {
-    let shape = element
-        .shape()
-        .filter(|shape| matches!(shape.law().inner(), Some(Inner { start: Start::Lines, .. })))?;
+    let shape = element.shape().filter(|_| is_line(element))?;
     let frequency_hz = shape.inner?;
     let step = TURN / (frequency_hz * beside.residuals.longest_s());
     let steps = (FARTHEST / step).ceil().min(MOST_STEPS) as i32;
@@ -186,7 +232,7 @@ fn groups(spectra: &[Spectrum]) -> Vec<Vec<&Spectrum>> {
     let mut groups: Vec<Vec<&Spectrum>> = Vec::new();
     for spectrum in spectra {
         let same = |group: &&mut Vec<&Spectrum>| {
-            (group[0].period_s / spectrum.period_s - 1.0).abs() < 0.01
+            same_period(group[0].period_s, spectrum.period_s)
                 && group[0].gains_mm2.len() == spectrum.gains_mm2.len()
         };
         match groups.iter_mut().find(same) {
