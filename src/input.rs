@@ -64,6 +64,9 @@ fn whole(file: &Path, what: &str) -> Result<Vec<u8>> {
             ErrorKind::IsADirectory => {
                 refused.hint(format!("name a {what}, not the directory it is in"))
             }
+            _ if is_in_use(&error) => {
+                refused.hint("close it in the program that has it open, such as Excel")
+            }
             _ => refused,
         }
     };
@@ -78,10 +81,22 @@ fn whole(file: &Path, what: &str) -> Result<Vec<u8>> {
             .at(Place::file(file))
             .hint("name a file"));
     }
+    // Not every system says so when it is opened.
+    if kind.is_dir() {
+        return Err(told(ErrorKind::IsADirectory.into()));
+    }
     let mut bytes = Vec::new();
     let mut limited = std::fs::File::open(file).map_err(told)?.take(LARGEST_BYTES + 1);
     limited.read_to_end(&mut bytes).map_err(told)?;
     bounded(bytes, file, what)
+}
+
+/// Whether Windows neither opens nor moves a file because another program has it: Excel has every table that it shows.
+pub(crate) fn is_in_use(error: &std::io::Error) -> bool {
+    const SHARING_VIOLATION: i32 = 32;
+    const LOCK_VIOLATION: i32 = 33;
+    let number = error.raw_os_error();
+    cfg!(windows) && [Some(SHARING_VIOLATION), Some(LOCK_VIOLATION)].contains(&number)
 }
 
 /// Bytes that are not too many.

@@ -70,6 +70,7 @@ pub mod design;
 pub mod diagnose;
 pub mod error;
 pub mod features;
+mod file_name;
 pub mod identify;
 mod input;
 pub mod log;

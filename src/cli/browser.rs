@@ -11,7 +11,9 @@ pub(super) fn open(files: &[PathBuf], talk: &Talk) {
         talk.say("nothing to open: no page was written");
         return;
     };
-    if let Err(error) = open::that_detached(page) {
+    // From the root: Windows takes `out/..` for an option of the browser's.
+    let whole = std::path::absolute(page).unwrap_or_else(|_| page.clone());
+    if let Err(error) = open::that_detached(whole) {
         talk.say(&format!("{} cannot be opened here: {error}", page.display()));
     }
 }

@@ -1,5 +1,7 @@
 //! `ballbar demo`: the whole chain on measured logs.
 
+use std::path::Path;
+
 use clap::Args;
 
 use super::analyse::add_results;
@@ -7,7 +9,7 @@ use super::common::Common;
 use super::estimate::Selection;
 use super::output::{self, Talk};
 use super::program::told;
-use super::results::{Files, Own};
+use super::results::{Files, Own, path_from};
 use crate::design::PlannedProgram;
 use crate::error::{Error, Kind, Place, Result};
 use crate::plan::Test;
@@ -44,10 +46,7 @@ impl Arguments {
         // The files are gone when it is over, and are called as in the sources.
         let unpacked = directory.path();
         let analysis = identified.analysis_naming(&|file| {
-            let inside = std::fs::canonicalize(file).ok();
-            let root = std::fs::canonicalize(unpacked).ok();
-            let name = inside.zip(root).and_then(|(i, r)| Some(i.strip_prefix(r).ok()?.to_owned()));
-            name.map_or_else(|| file.to_owned(), |name| name.display().to_string())
+            path_from(unpacked, Path::new(file)).unwrap_or_else(|_| file.to_owned())
         });
         let own = Own::named(common, "demo");
         let mut files = Files::in_own(common, &own, selection.read(&identified));
@@ -98,6 +97,10 @@ fn unpacked() -> Result<tempfile::TempDir> {
     write().map_err(|error: std::io::Error| {
         Error::new(Kind::Output, format!("the measured logs cannot be unpacked: {error}"))
             .at(Place::file(&std::env::temp_dir()))
-            .hint("name another directory for what is temporary, such as `TMPDIR=.`")
+            .hint(if cfg!(windows) {
+                "name another directory for what is temporary: `set TEMP=.`"
+            } else {
+                "name another directory for what is temporary, such as `TMPDIR=.`"
+            })
     })
 }

@@ -207,7 +207,7 @@ impl Arguments {
         ));
         let test = folder.join(Begun::TEST);
         let next = if wish.test == TestKind::Design { "design" } else { "plan" };
-        talk.say(&format!("next: ballbar {next} {}", test.display()));
+        talk.say(&format!("next: ballbar {next} {}", output::typed(&test)));
         Ok(())
     }
 

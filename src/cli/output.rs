@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anstream::{AutoStream, ColorChoice};
@@ -129,6 +129,20 @@ pub(super) fn usage_json(message: &str) -> String {
     all.to_string()
 }
 
+/// A path as it is typed into a command line: in quotes where a shell would take it apart.
+pub(super) fn typed(path: &Path) -> String {
+    let name = path.display().to_string();
+    let plain = |c: char| c.is_alphanumeric() || matches!(c, '/' | '.' | '-' | '_' | ',' | '+');
+    let plain_here = |c: char| plain(c) || cfg!(windows) && matches!(c, '\\' | ':');
+    if name.chars().all(plain_here) {
+        name
+    } else if cfg!(windows) {
+        format!("\"{name}\"")
+    } else {
+        format!("'{}'", name.replace('\'', r"'\''"))
+    }
+}
+
 /// A summary on stdout: on a terminal its headings, the lines that are not indented, stand out.
 pub(super) fn print_summary(text: &str) -> Result<()> {
     if AutoStream::choice(&std::io::stdout()) == ColorChoice::Never {
@@ -145,7 +159,8 @@ pub(super) fn print_summary(text: &str) -> Result<()> {
         };
         let _ = writeln!(coloured, "{style}{line}{style:#}");
     }
-    send(&coloured)
+    // It asks the console of Windows to obey the colours.
+    send(&mut anstream::stdout().lock(), &coloured)
 }
 
 /// Results of a command for other programs, which tell by the format what they have.
@@ -161,12 +176,11 @@ pub(super) fn json_text(command: &str, mut results: Value) -> String {
 
 /// Data on stdout. A reader that went away, such as `head`, is no error.
 pub(super) fn print(text: &str) -> Result<()> {
-    send(&harmless(text))
+    send(&mut std::io::stdout().lock(), &harmless(text))
 }
 
 /// To stdout as it stands.
-fn send(text: &str) -> Result<()> {
-    let mut out = std::io::stdout().lock();
+fn send(out: &mut impl Write, text: &str) -> Result<()> {
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
             Err(Error::new(Kind::Output, format!("cannot write to stdout: {error}")))
@@ -199,7 +213,30 @@ fn harmless(text: &str) -> Cow<'_, str> {
 
 #[cfg(test)]
 mod tests {
-    use super::harmless;
+    use super::{harmless, typed};
+
+    #[cfg(not(windows))]
+    #[test]
+    fn a_path_can_be_typed_as_it_is_told() {
+        for (path, told) in [
+            ("vmc/test.toml", "vmc/test.toml"),
+            ("Fr\u{e4}se 3/test.toml", "'Fr\u{e4}se 3/test.toml'"),
+            ("it's/$HOME", r"'it'\''s/$HOME'"),
+        ] {
+            assert_eq!(typed(path.as_ref()), told);
+        }
+    }
+
+    #[cfg(windows)]
+    #[test]
+    fn a_path_can_be_typed_as_it_is_told() {
+        for (path, told) in [
+            (r"C:\vmc\test.toml", r"C:\vmc\test.toml"),
+            ("Fr\u{e4}se 3\\test.toml", "\"Fr\u{e4}se 3\\test.toml\""),
+        ] {
+            assert_eq!(typed(path.as_ref()), told);
+        }
+    }
 
     #[test]
     fn a_name_cannot_clear_the_screen() {

@@ -86,7 +86,7 @@ impl Arguments {
         }
         talk.say(&format!(
             "analyse them with: ballbar analyse {}",
-            common.directory().join("test.toml").display()
+            output::typed(&common.directory().join("test.toml"))
         ));
         Ok(())
     }

@@ -14,6 +14,7 @@ use super::raw_plan::RawPlan;
 use super::record::RawRecord;
 use super::tolerance::RawTolerance;
 use crate::error::{Error, Result};
+use crate::file_name;
 use crate::model;
 use crate::solve::Loss;
 use crate::toml_text::Text;
@@ -211,10 +212,11 @@ const LONGEST_NAME: usize = 200;
 /// A run's name becomes part of the name of its file of samples: it must be one that a file can have,
 /// and no other run may have it, or one file would replace the other.
 fn check_run_name(name: &str, before: &[Run]) -> Result<()> {
-    let in_file_names = |c: char| !c.is_control() && !matches!(c, '/' | '\\');
-    if name.trim().is_empty() || name.len() > LONGEST_NAME || !name.chars().all(in_file_names) {
+    if name.trim().is_empty() || name.len() > LONGEST_NAME || !name.chars().all(file_name::may_have)
+    {
+        let windows = if cfg!(windows) { ", `<`, `>`, `:`, `\"`, `|`, `?` and `*`" } else { "" };
         return Err(Error::input("the name of a run must be one that a file can have").hint(format!(
-            "give it a `name` of 1 to {LONGEST_NAME} bytes without slashes and control characters: its samples go to `samples-NAME.csv`"
+            "give it a `name` of 1 to {LONGEST_NAME} bytes without slashes and control characters{windows}: its samples go to `samples-NAME.csv`"
         )));
     }
     // Some file systems do not tell upper from lower case.

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::imports::{Import, Kind, Source};
 
 /// Under all rooms, for all of them.
-const GROUND: [&str; 4] = ["error", "input", "toml_text", "written"];
+const GROUND: [&str; 5] = ["error", "file_name", "input", "toml_text", "written"];
 
 /// A file, and what it imports.
 struct File {

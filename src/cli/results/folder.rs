@@ -18,7 +18,9 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use super::manifest::{Hash, Manifest};
+use super::rename::rename;
 use crate::error::{Error, Kind, Place, Result};
+use crate::input::is_in_use;
 
 /// The directory of results, locked.
 pub(super) struct Folder {
@@ -115,9 +117,11 @@ impl Folder {
             let mut file = File::create(staged.join("written"))?;
             file.write_all(manifest.to_text().as_bytes())?;
             file.sync_all()?;
+            // Windows renames no directory in which a file is open.
+            drop(file);
             synchronise(&staged.join("new"))?;
             synchronise(&staged)?;
-            fs::rename(&staged, self.own.join("next"))?;
+            rename(&staged, &self.own.join("next"))?;
             synchronise(&self.own)
         };
         decide().map_err(|error| cannot_write(&self.directory, &error))?;
@@ -125,7 +129,7 @@ impl Folder {
         if let Err(error) = self.carry(&mut moved) {
             for (from, to) in moved.iter().rev() {
                 // What cannot be put back is finished by the next command.
-                fs::rename(to, from).map_err(|_| error.clone())?;
+                rename(to, from).map_err(|_| error.clone())?;
             }
             let _ = fs::remove_dir_all(self.own.join("next"));
             return Err(error);
@@ -141,7 +145,7 @@ impl Folder {
             move |error: std::io::Error| cannot_write(&place, &error)
         };
         let mut rename =
-            |from: PathBuf, to: PathBuf| fs::rename(&from, &to).map(|()| moved.push((from, to)));
+            |from: PathBuf, to: PathBuf| rename(&from, &to).map(|()| moved.push((from, to)));
         fs::create_dir_all(&old).map_err(failed(&self.directory))?;
         let (before, after) = (self.manifest(), manifest_in(&next));
         let new = names_in(&next.join("new")).map_err(failed(&self.directory))?;
@@ -259,7 +263,10 @@ fn synchronise(_directory: &Path) -> std::io::Result<()> {
 }
 
 pub(super) fn cannot_write(file: &Path, error: &std::io::Error) -> Error {
-    Error::new(Kind::Output, format!("cannot write: {error}"))
-        .at(Place::file(file))
-        .hint("choose a directory that can be written with `-o DIR`")
+    let hint = if is_in_use(error) {
+        "close it in the program that shows it, such as Excel, or choose another directory with `-o DIR`"
+    } else {
+        "choose a directory that can be written with `-o DIR`"
+    };
+    Error::new(Kind::Output, format!("cannot write: {error}")).at(Place::file(file)).hint(hint)
 }

@@ -9,6 +9,7 @@ mod manifest;
 mod own;
 mod page;
 mod path_from;
+mod rename;
 
 use std::path::{Path, PathBuf};
 
@@ -16,6 +17,7 @@ use super::browser;
 use super::common::Common;
 use super::output::{Talk, print, print_summary};
 use crate::error::{Error, Kind, Place, Result};
+use crate::file_name;
 
 use folder::{Folder, cannot_write};
 use manifest::{Hash, Manifest};
@@ -169,7 +171,7 @@ impl Files {
                 .hint("give the file that it is named after another name"))
         };
         for (index, (name, _)) in self.ready.iter().enumerate() {
-            if name.is_empty() || name.contains(|c: char| c.is_control() || c == '/' || c == '\\') {
+            if name.is_empty() || !name.chars().all(file_name::may_have) {
                 return faulty(name, "a file of results cannot have this name");
             }
             if self.ready[..index].iter().any(|(other, _)| other == name) {

@@ -10,7 +10,8 @@ pub(crate) fn path_from(directory: &Path, file: &Path) -> Result<String> {
     let (from, to) = (whole(directory), whole(file));
     let common = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();
     let path = if common == 0 {
-        to
+        // Not the one without links: on Windows that begins with `\\?\`, after which a slash divides nothing.
+        std::path::absolute(file).unwrap_or(to)
     } else {
         let up = from.components().skip(common).map(|_| Component::ParentDir);
         up.chain(to.components().skip(common)).collect()
