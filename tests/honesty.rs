@@ -53,7 +53,13 @@ impl Bench {
         let log =
             log::read_bytes(run.csv().as_bytes(), &name, &self.test.log_format_of(0)).unwrap();
         let rig = align::Rig { machine, mounting, bar: self.bar() };
-        let alignment = align::align(&align::Run { log: &log, program, rig, feed_override: 1.0 })?;
+        let alignment = align::align(&align::Run {
+            log: &log,
+            program,
+            rig,
+            feed_override: 1.0,
+            driven: None,
+        })?;
         let terms = model::terms(&["observable35".to_owned()], &["A".to_owned()]).unwrap();
         let model = Model::new(machine, vec![*mounting], terms);
         let options = Options::of(&self.test);
@@ -251,7 +257,8 @@ fn scatter_over_foretold(file: &str, scenario: &Scenario, count: usize) -> Vec<(
                         .unwrap();
                     let rig = align::Rig { machine: &machine, mounting, bar: &bar };
                     let program = &p.program;
-                    let aligned = align::Run { log: &log, program, rig, feed_override: 1.0 };
+                    let aligned =
+                        align::Run { log: &log, program, rig, feed_override: 1.0, driven: None };
                     let alignment = align::align(&aligned).unwrap();
                     let name = names[p.mounting].clone();
                     RunInput::new(name, p.mounting, bar.length_mm, alignment)

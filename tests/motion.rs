@@ -2,8 +2,11 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+use std::fmt::Write as _;
+
+use ballbar::log::Recording;
 use ballbar::machine::Machine;
-use ballbar::motion::{Reversals, Trajectory};
+use ballbar::motion::{BlockKind, Reversals, Trajectory};
 use ballbar::nc::{self, Reading};
 use nalgebra::Vector3;
 
@@ -194,4 +197,92 @@ fn an_arc_that_ends_where_a_slide_turns_round_leaves_it_in_the_sense_in_which_it
     assert_eq!(seams, 3);
     let last = Reversals::of(&trajectory).last(trajectory.end_s(), &[-12.0, 0.0, 0.0].into());
     assert_near(last[0].unwrap().ago_mm, 22.0);
+}
+
+/// What a control writes down that drives a trajectory on its own clock, from 2 s before it begins until 2 s after it has ended;
+/// an operator's pause lasts 4 s, and every slide wavers by so much either way, mm.
+fn written_down(of: &Trajectory, begins_s: f64, waver_mm: f64) -> String {
+    let stops: Vec<f64> =
+        of.blocks().iter().filter(|b| b.kind == BlockKind::Stop).map(|b| b.start_s).collect();
+    let mut text = "time_ms,x_mm,y_mm,z_mm\n".to_owned();
+    let end_s = of.end_s() + 4.0 * stops.len() as f64 + 4.0;
+    for k in 0..(end_s * 1e3) as usize {
+        let mut program_s = k as f64 * 1e-3 - 2.0;
+        for stop_s in &stops {
+            program_s -= (program_s - stop_s).clamp(0.0, 4.0);
+        }
+        let waver = |slide: usize| waver_mm * ((k + 17 * slide) as f64 * 2.3).sin();
+        let at = of.at(program_s.max(0.0)).position_mm;
+        let [x, y, z] = [0, 1, 2].map(|slide| at[slide] + waver(slide));
+        writeln!(text, "{:.3},{x:.5},{y:.5},{z:.5}", 1e3 * begins_s + k as f64).unwrap();
+    }
+    text
+}
+
+/// A ball-bar test in small: feed-in, a circle there and back, with dwells, an operator's pause, and half of it in chords.
+const SMALL_TEST: &str = "G00 X54. Y0. Z5.\nZ0.\nM00\nG01 X50. F1200.\nG04 P2000\n(CCW)\nG03 X50. Y0. I-50. J0.\n\
+    G04 P1000\n(CW)\nG02 X50. Y0. I-50. J0.\nG04 P1000\nG01 X54.\nM00\nG01 X50.\nG04 P500\n(CHORDS)\nX49.9 Y3.15\nX49.6 Y6.29\n\
+    X49.1 Y9.4\nX48.4 Y12.45\nG04 P500\nX54.\n";
+
+fn recorded(text: &str, blocks: &str) -> ballbar::Result<Trajectory> {
+    let machine = machine("", "");
+    let mut reading = Reading::of(&machine);
+    reading.work_offsets_mm.insert(54, Vector3::zeros());
+    let source = format!("G90 G00 X0. Y0. Z0.\n{blocks}\nM30\n");
+    let program = nc::read(&source, "p.nc".as_ref(), &reading)?;
+    let recording = Recording::read_bytes(text.as_bytes(), "motion.csv".as_ref())?;
+    Trajectory::recorded(&program, &machine, &recording)
+}
+
+#[test]
+fn a_recorded_motion_is_that_of_its_program_on_its_own_clock() {
+    let planned = driven(&machine("", ""), SMALL_TEST);
+    for waver_mm in [0.0, 0.5e-3] {
+        let seen = recorded(&written_down(&planned, 1234.5, waver_mm), SMALL_TEST).unwrap();
+        // Dwells of 2 s that the slides stand in end to within what they waver by; the beginning is planned back from the first pause.
+        let known_s = 2e-3 + (2.0 * 8.0 * waver_mm / 500.0).sqrt();
+        assert_eq!(seen.blocks().len(), planned.blocks().len());
+        for (seen, planned) in seen.blocks().iter().zip(planned.blocks()) {
+            assert_eq!((seen.kind, seen.line), (planned.kind, planned.line));
+            let off_s = (seen.start_s - planned.start_s).abs();
+            // Each standstill before it begins and ends so late or early.
+            assert!(off_s < 3.0 * known_s, "line {}: {off_s} s", planned.line);
+        }
+        let pauses_s = seen.recorded_pauses_s().unwrap();
+        assert_eq!(pauses_s.len(), 2);
+        assert!(pauses_s.iter().all(|s| (s - 4.0).abs() < 3.0 * known_s), "{pauses_s:?}");
+        let begins_s = planned.blocks()[2].start_s + 0.05;
+        let steps = ((planned.end_s() - begins_s) * 100.0) as usize;
+        for k in 0..steps {
+            let at_s = begins_s + 0.01 * k as f64;
+            let (seen, planned) = (seen.at(at_s), planned.at(at_s));
+            // Both clocks begin within a millisecond or two of each other, at 20 mm/s.
+            let apart_mm = (seen.position_mm - planned.position_mm).norm();
+            assert!(apart_mm < 20.0 * 3.0 * known_s + 2.0 * waver_mm, "{apart_mm} at {at_s}");
+        }
+        let (seen_s, planned_s) = (seen.reversals_s(), planned.reversals_s());
+        let after = |of: &[f64]| of.iter().copied().filter(|s| *s > begins_s).collect::<Vec<_>>();
+        let (seen_s, planned_s) = (after(&seen_s), after(&planned_s));
+        // Out of rest into the extreme of a circle a slide leaves with the fourth power of time: by 0.5 a² t⁴ / 4 R.
+        let unknown_s = known_s + ((4.0 * waver_mm + 1.5e-5) / 625.0).powf(0.25);
+        let near = |of: &[f64], s: &f64| of.iter().any(|other| (other - s).abs() < unknown_s);
+        assert!(seen_s.iter().all(|s| near(&planned_s, s)), "{seen_s:?} {planned_s:?}");
+        assert!(planned_s.iter().all(|s| near(&seen_s, s)), "{seen_s:?} {planned_s:?}");
+    }
+}
+
+#[test]
+fn a_recorded_motion_of_another_program_is_refused_with_the_block() {
+    let planned = driven(&machine("", ""), SMALL_TEST);
+    let text = written_down(&planned, 0.0, 0.0);
+    let other = SMALL_TEST.replace("G02 X50. Y0. I-50.", "G02 X50. Y0. I-40.");
+    let error = recorded(&text, &other).unwrap_err().to_string();
+    assert!(error.contains("not that of the program") && error.contains("(line 11)"), "{error}");
+    let shifted = SMALL_TEST.replace("X54. Y0. Z5.", "X54. Y0. Z40.").replace("Z0.", "Z30.");
+    let error = recorded(&text, &shifted).unwrap_err().to_string();
+    assert!(error.contains("never comes to where the program begins"), "{error}");
+    // And so is half of it.
+    let half = text.lines().count() / 2;
+    let cut: String = text.lines().take(half).flat_map(|line| [line, "\n"]).collect();
+    assert!(recorded(&cut, SMALL_TEST).is_err());
 }

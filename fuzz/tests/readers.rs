@@ -26,5 +26,5 @@ macro_rules! readers {
 }
 
 readers! {
-    machine, test, scenario, model, effect, log, workbook, b5r, program, check, plan, simulate, align, analysis, past, tables, files,
+    machine, test, scenario, model, effect, log, motion, workbook, b5r, program, check, plan, simulate, align, analysis, past, tables, files,
 }

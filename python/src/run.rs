@@ -212,6 +212,7 @@ impl Run {
             feed_override: self.feed_override_percent / 100.0,
             log: self.log.clone(),
             source: Arc::clone(&self.source),
+            motion: None,
         }
     }
 }

@@ -38,9 +38,11 @@ pub(super) fn chords_s(breaks: &[Break], trajectory: &Trajectory) -> Vec<f64> {
 }
 
 /// Every operator's pause, and of other standstills those while the bar reads or between: the machine comes to rest,
-/// and moves on.
+/// and moves on. How long those took is known of a motion that was recorded, and how long an operator's pause was in the log of
+/// another run is not.
 pub(super) fn breaks(trajectory: &Trajectory, engaged_s: &Range<f64>) -> Vec<Break> {
     let mut breaks: Vec<Break> = Vec::new();
+    let recorded = trajectory.recorded_pauses_s().is_some();
     // Since when the machine stands, and whether the operator has it.
     let (mut stands_s, mut operator) = (None, false);
     for block in trajectory.blocks() {
@@ -55,11 +57,11 @@ pub(super) fn breaks(trajectory: &Trajectory, engaged_s: &Range<f64>) -> Vec<Bre
             BlockKind::Rapid | BlockKind::Feed => {
                 let program_s = block.start_s;
                 if let Some(since_s) =
-                    stands_s.filter(|_| !operator && engaged_s.contains(&program_s))
+                    stands_s.filter(|_| !operator && !recorded && engaged_s.contains(&program_s))
                 {
                     breaks.push(Break { program_s, since_s, operator: false });
                 }
-                stands_s = block.ends_at_rest().then(|| block.start_s + block.duration_s);
+                stands_s = block.ends_at_rest().then_some(block.start_s + block.duration_s);
                 operator = false;
             }
         }

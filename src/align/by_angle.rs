@@ -49,7 +49,7 @@ pub fn by_angle(run: &Run, log: &ByAngle) -> Result<Alignment> {
             "correct `length_mm` of the bar, or `bar_length_mm` of the mounting, in the test file",
         ));
     }
-    let trajectory = Trajectory::new(run.program, run.rig.machine, run.feed_override);
+    let trajectory = run.trajectory(run.feed_override);
     let sections = section::sections(&trajectory, &run.rig);
     let arcs: Vec<Driven> = sections
         .iter()

@@ -41,7 +41,7 @@ impl Draft {
         feed: f64,
         tolerance: f64,
     ) -> Result<Self> {
-        let trajectory = Trajectory::new(run.program, run.rig.machine, feed);
+        let trajectory = run.trajectory(feed);
         let engagements = engagement::expected(&trajectory, &run.rig);
         let Paired { stretches, beside } = engagement::pair(
             run.log,

@@ -96,7 +96,9 @@ fn at_real_feed(run: &Run, observed: &[Range<usize>]) -> Result<(Draft, Excess)>
             Err(_) => return Err(error),
         },
     };
-    for round in 0..MOST_ROUNDS {
+    // At what feed it was driven is in the times of a motion that was recorded.
+    let most_rounds = if run.driven.is_some() { 0 } else { MOST_ROUNDS };
+    for round in 0..most_rounds {
         let explained = draft.time_map.rate.abs() < 1.5 * clock_tolerance;
         // The clock's tolerance would hold the rate back.
         let mut at_any_rate = draft.time_map.clone();

@@ -61,7 +61,7 @@ enum Verdict {
 pub fn misread(run: &Run, format: &Format) -> Option<Misread> {
     let within = clipped::taken_out(run.log).map(|(log, _)| log);
     let run = &Run { log: within.as_ref().unwrap_or(run.log), ..*run };
-    let trajectory = Trajectory::new(run.program, run.rig.machine, run.feed_override);
+    let trajectory = run.trajectory(run.feed_override);
     let expected = engagement::expected(&trajectory, &run.rig);
     let judge = |log: &Log| judge(&Run { log, ..*run }, &trajectory, &expected);
     if matches!(judge(run.log), Verdict::Possible | Verdict::Right) {

@@ -9,7 +9,7 @@ use nalgebra::{Matrix4, Vector3, Vector4};
 use super::run::Run;
 use super::samples::{Alignment, Part};
 use super::section;
-use crate::motion::{BlockKind, Trajectory};
+use crate::motion::BlockKind;
 use crate::solve;
 
 /// The arc is looked at in so many places.
@@ -41,7 +41,7 @@ pub fn off_centre(run: &Run, laid: Option<&Alignment>) -> Option<Vector3<f64>> {
     let trajectory = if let Some(laid) = laid {
         &laid.trajectory
     } else {
-        planned = Trajectory::new(run.program, run.rig.machine, run.feed_override);
+        planned = run.trajectory(run.feed_override);
         &planned
     };
     // Where the bar waits out of its range, an offset by the rest of the way brings it in.

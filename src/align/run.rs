@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use crate::log::Log;
 use crate::machine::{Machine, Mounting};
+use crate::motion::Trajectory;
 use crate::nc::Program;
 use crate::plan::BallBar;
 
@@ -41,4 +42,14 @@ pub struct Run<'a> {
     pub rig: Rig<'a>,
     /// Where the override knob stood, as a share of 1.
     pub feed_override: f64,
+    /// How the control has recorded that it drove the program, where it has.
+    pub driven: Option<&'a Trajectory>,
+}
+
+impl Run<'_> {
+    /// The program as it was recorded, or else as it is planned with all feeds multiplied by this.
+    pub(super) fn trajectory(&self, feed: f64) -> Trajectory {
+        let planned = || Trajectory::new(self.program, self.rig.machine, feed);
+        self.driven.map_or_else(planned, Trajectory::clone)
+    }
 }

@@ -62,7 +62,13 @@ impl Bench {
     }
 
     fn aligned(&self, log: &Log) -> Result<Alignment> {
-        align(&Run { log, program: &self.program, rig: self.rig(), feed_override: 1.0 })
+        align(&Run {
+            log,
+            program: &self.program,
+            rig: self.rig(),
+            feed_override: 1.0,
+            driven: None,
+        })
     }
 }
 

@@ -104,7 +104,7 @@ impl TimeMap {
             offset_rate_covariances_s: vec![0.0; legs],
             pace: 0.0,
             pace_sigma: 0.0,
-            pace_plausible: PACE,
+            pace_plausible: if trajectory.recorded_pauses_s().is_some() { NO_PACE } else { PACE },
             offset_pace_covariances_s: vec![0.0; legs],
             rate_pace_covariance: 0.0,
             following_s: 0.0,

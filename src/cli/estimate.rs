@@ -32,6 +32,9 @@ pub(super) struct Selection {
     /// Weights of far-off samples
     #[arg(long, value_parser = losses())]
     loss: Option<Loss>,
+    /// What the control recorded of its motion, in place of the estimate: once for each run, in their order
+    #[arg(long, value_name = "FILE")]
+    motion: Vec<PathBuf>,
     /// Where terms are confounded, take the shortest solution instead of refusing
     #[arg(long)]
     minimum_norm: bool,
@@ -57,7 +60,14 @@ pub(super) struct Identified {
 impl Selection {
     /// The test as its file says.
     pub(super) fn of_file(test: PathBuf) -> Self {
-        Self { test, terms: Vec::new(), model: None, loss: None, minimum_norm: false }
+        Self {
+            test,
+            terms: Vec::new(),
+            model: None,
+            loss: None,
+            motion: Vec::new(),
+            minimum_norm: false,
+        }
     }
 
     /// Reads the test and identifies its runs; one that cannot be fails the test.
@@ -67,7 +77,10 @@ impl Selection {
 
     /// The same, with a choice of what becomes of a run that cannot be.
     pub(super) fn identify_or(&self, failure: Failure, talk: &Talk) -> Result<Identified> {
-        let test = Test::read(&self.test)?;
+        let mut test = Test::read(&self.test)?;
+        if !self.motion.is_empty() {
+            test = test.with_motions(&self.motion)?;
+        }
         let machine = test.machine()?;
         let mut estimation = test.estimation().clone();
         if !self.terms.is_empty() {

@@ -1,13 +1,15 @@
 //! `ballbar simulate`: logs of a virtual machine.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
 
 use super::common::Common;
 use super::output::{self, Talk};
 use super::results::{Files, path_from};
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, Kind, Place, Result};
+use crate::log::Recording;
 use crate::machine::Machine;
 use crate::model::{Effect, ModelFile};
 use crate::plan::Test;
@@ -40,6 +42,9 @@ pub(super) struct Arguments {
     /// Hide an effect, besides those of the scenario: CAUSE:key=value,... Give it again for several
     #[arg(long, value_name = "EFFECT")]
     hide: Vec<String>,
+    /// What a control recorded of its motion, in place of the estimate: once for each program, in their order
+    #[arg(long, value_name = "FILE")]
+    motion: Vec<PathBuf>,
     /// Coefficients, set-up errors and effects of a model that `diagnose` has written
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
@@ -57,7 +62,7 @@ impl Arguments {
         let machine = test.machine()?;
         talk.reads(&self.inputs(&test));
         let scenario = self.scenario_of(&test, &machine)?;
-        let programs = virtual_test::programs(&test, &machine)?;
+        let programs = self.driven(virtual_test::programs(&test, &machine)?)?;
         let progress = talk.progress(programs.len() * self.repeats as usize, "simulating");
         let done = || progress.inc(1);
         let simulated =
@@ -112,9 +117,27 @@ impl Arguments {
         Ok(scenario)
     }
 
+    /// The programs with what was recorded of each.
+    fn driven(&self, mut programs: Vec<VirtualProgram>) -> Result<Vec<VirtualProgram>> {
+        if !self.motion.is_empty() && self.motion.len() != programs.len() {
+            return Err(Error::input(format!(
+                "{} recorded motion(s) for {} program(s)",
+                self.motion.len(),
+                programs.len()
+            ))
+            .at(Place::file(&self.test))
+            .hint("give `--motion` once for each program of the test, in their order"));
+        }
+        for (program, file) in programs.iter_mut().zip(&self.motion) {
+            program.motion = Some(Arc::new(Recording::read(file)?));
+        }
+        Ok(programs)
+    }
+
     /// The files that are read.
     fn inputs(&self, test: &Test) -> Vec<PathBuf> {
-        test.files().into_iter().chain(self.scenario.clone()).chain(self.model.clone()).collect()
+        let beside = self.scenario.iter().chain(&self.model).chain(&self.motion);
+        test.files().into_iter().chain(beside.cloned()).collect()
     }
 
     /// The test file with the simulated runs in place of its own.

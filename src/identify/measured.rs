@@ -7,8 +7,9 @@ use nalgebra::Vector3;
 use super::input::RunInput;
 use crate::align;
 use crate::error::{Error, Kind, Place, Result};
-use crate::log::{self, Log};
+use crate::log::{self, Log, Recording};
 use crate::machine::{Axis, Machine};
+use crate::motion::Trajectory;
 use crate::nc;
 use crate::plan::{Run, Test};
 
@@ -28,6 +29,8 @@ pub struct MeasuredRun {
     pub log: Log,
     /// What the machine was told; runs of one program share it.
     pub source: Arc<nc::Source>,
+    /// What the control recorded of its motion.
+    pub motion: Option<Arc<Recording>>,
 }
 
 /// The runs of one repeat, as they were measured.
@@ -67,6 +70,10 @@ impl MeasuredRun {
             feed_override: run.feed_override,
             log: log::read(&run.log, &test.log_format_of(run.mounting))?,
             source: Arc::new(nc::Source::read(&run.program)?),
+            motion: match &run.motion {
+                Some(file) => Some(Arc::new(Recording::read(file)?)),
+                None => None,
+            },
         })
     }
 
@@ -83,13 +90,26 @@ impl MeasuredRun {
         let mounting = &test.mountings()[self.mounting];
         reading.work_offsets_mm.insert(mounting.work_offset, mounting.mounting.coincidence_mm);
         let bar = test.bar_of(self.mounting);
+        let program = self.source.program(&reading)?;
+        let driven = match &self.motion {
+            Some(motion) => Some(Trajectory::recorded(&program, machine, motion)?),
+            None => None,
+        };
         let run = align::Run {
             log: &self.log,
-            program: &self.source.program(&reading)?,
+            program: &program,
             rig: align::Rig { machine, mounting: &mounting.mounting, bar: &bar },
             feed_override: self.feed_override,
+            driven: driven.as_ref(),
         };
         if let Some(log) = self.log.by_angle() {
+            if let Some(motion) = &self.motion {
+                return Err(Error::input(
+                    "a log by angle has no times that a recorded motion could belong to",
+                )
+                .at(Place::file(motion.file()))
+                .hint("leave `motion` out of the run, or take a log with times"));
+            }
             let alignment = align::by_angle(&run, log)?;
             return Ok(RunInput::new(self.name.clone(), self.mounting, bar.length_mm, alignment));
         }

@@ -48,7 +48,8 @@ pub fn rehearse(
     let run = simulate::run(machine, mounting, program, bar, &scenario)?;
     let log = log::read_bytes(run.csv().as_bytes(), &program.file, &log::Format::default())?;
     let rig = align::Rig { machine, mounting, bar };
-    let mut alignment = align::align(&align::Run { log: &log, program, rig, feed_override: 1.0 })?;
+    let mut alignment =
+        align::align(&align::Run { log: &log, program, rig, feed_override: 1.0, driven: None })?;
     // A perfect machine hides where its pauses were; the fit of a real one finds them.
     let map = &mut alignment.time_map;
     let mut paused_s = 0.0;

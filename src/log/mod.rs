@@ -33,6 +33,7 @@ mod encoding;
 mod number;
 mod read;
 mod reading;
+mod recording;
 mod table;
 #[cfg(test)]
 #[allow(clippy::float_cmp)] // what is read is exact or wrong
@@ -56,3 +57,4 @@ pub use by_angle::{Angles, ByAngle, Said, Turn};
 pub use content::{Content, Layout, Table, Written};
 pub use read::{log_of, look_into, read, read_bytes};
 pub use reading::{Log, Reading};
+pub use recording::{Recording, Stand};

@@ -41,6 +41,8 @@ pub struct Block {
     pub(super) length_mm: f64,
     /// Sense of the last motion of each slide before it.
     pub(super) sense: Vector3<f64>,
+    /// Whether the machine stands still at its end.
+    pub(super) ends_at_rest: bool,
 }
 
 /// Where the machine is at one moment.
@@ -64,7 +66,7 @@ impl Block {
 
     /// Whether the machine stands still at its end.
     pub fn ends_at_rest(&self) -> bool {
-        self.motion.as_ref().is_none_or(|(_, profile)| profile.at(f64::INFINITY).1 < 1e-9)
+        self.ends_at_rest
     }
 
     pub(super) fn position_mm(&self, time_s: f64) -> Vector3<f64> {

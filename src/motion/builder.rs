@@ -46,6 +46,7 @@ impl<'a> Builder<'a> {
             motion: None,
             length_mm: 0.0,
             sense: self.sense,
+            ends_at_rest: true,
         });
         self.now_s += duration_s;
     }
@@ -110,6 +111,7 @@ impl<'a> Builder<'a> {
                 label,
                 feed_before_s: self.feed_s,
                 start_mm: motion.start_mm,
+                ends_at_rest: profile.at(f64::INFINITY).1 < 1e-9,
                 motion: Some((motion, profile)),
                 length_mm,
                 sense: self.sense,

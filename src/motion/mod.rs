@@ -9,15 +9,21 @@
 //!
 //! **Not modelled:** servo lag, the in-position check at a stop, a look-ahead that is too short.
 //!
+//! Where a control has [recorded](crate::log::Recording) its motion, that stands in place of the estimate
+//! ([`Trajectory::recorded`]).
+//!
 //! An operator's pause (M00) has no known length. It is its own kind of time: in a trajectory it stands
 //! at its place with length zero, and whoever aligns a log finds out how long it was.
 
 mod bell;
 mod block;
 mod builder;
+mod driven;
 mod limits;
+mod matched;
 mod profile;
 mod reversals;
+mod slides;
 mod trajectory;
 
 pub use block::{Block, BlockKind, State};

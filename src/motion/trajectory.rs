@@ -1,9 +1,16 @@
 //! A program with its times.
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 
 use super::block::{Block, BlockKind, HAIR, State, turned};
 use super::builder::Builder;
+use super::driven::Driven;
+use super::matched::{Matched, matched};
+use super::slides::Slides;
+use crate::error::Result;
+use crate::log::Recording;
 use crate::machine::Machine;
 use crate::model::{Corner, Motion};
 use crate::nc::{Action, Move, Program};
@@ -28,6 +35,9 @@ impl Duration {
     }
 }
 
+/// A control that rounds a corner has done so within this before and after it, s.
+const CORNER_S: f64 = 0.01;
+
 /// A program as the machine drives it, from its first fully known position.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trajectory {
@@ -36,6 +46,10 @@ pub struct Trajectory {
     /// Operator's pauses before the first move.
     stops_before: usize,
     end_s: f64,
+    /// How it was driven, where that was recorded.
+    driven: Option<Arc<Driven>>,
+    /// How long each operator's pause was that was recorded, s.
+    pauses_s: Vec<f64>,
 }
 
 impl Trajectory {
@@ -64,7 +78,52 @@ impl Trajectory {
             blocks: builder.blocks,
             stops_before: before.iter().filter(|step| step.action == Action::Stop).count(),
             labels: program.labels.clone(),
+            driven: None,
+            pauses_s: Vec::new(),
         }
+    }
+
+    /// The same program as a control has recorded that it drove it: the blocks have the times at which the recording comes to
+    /// their ends, and the slides are where it has them. Operator's pauses have no length here either.
+    ///
+    /// # Errors
+    /// When the recording is not one of this program.
+    pub fn recorded(program: &Program, machine: &Machine, recording: &Recording) -> Result<Self> {
+        let planned = Self::new(program, machine, 1.0);
+        let slides = Slides::of(recording.rows());
+        let Matched { blocks_s, cuts } =
+            matched(&planned.blocks, recording, &slides, &program.file)?;
+        let driven = Driven::new(recording.rows(), slides, &cuts);
+        let mut feed_s = 0.0;
+        let mut blocks = planned.blocks;
+        for (block, recorded_s) in blocks.iter_mut().zip(blocks_s) {
+            let [start_s, end_s] = recorded_s.map(|at_s| cuts.program_s(at_s));
+            // Rounding may make nothing less than nothing.
+            (block.start_s, block.duration_s) = (start_s, (end_s - start_s).max(0.0));
+            block.feed_before_s = feed_s;
+            block.sense = driven.at(start_s, 0).sense;
+            if block.kind == BlockKind::Feed {
+                feed_s += block.duration_s;
+            }
+        }
+        let stands = |block: &Block| matches!(block.kind, BlockKind::Dwell | BlockKind::Stop);
+        for k in 0..blocks.len() {
+            let end_s = blocks[k].start_s + blocks[k].duration_s;
+            let waits = blocks.get(k + 1).is_none_or(stands);
+            blocks[k].ends_at_rest = stands(&blocks[k]) || waits || driven.rests(end_s);
+        }
+        Ok(Self {
+            end_s: blocks.last().map_or(0.0, |last| last.start_s + last.duration_s),
+            blocks,
+            pauses_s: cuts.pauses_s.iter().map(|[from_s, to_s]| to_s - from_s).collect(),
+            driven: Some(Arc::new(driven)),
+            ..planned
+        })
+    }
+
+    /// Whether its times were recorded, and how long each operator's pause was then, s.
+    pub fn recorded_pauses_s(&self) -> Option<&[f64]> {
+        self.driven.as_ref().map(|_| self.pauses_s.as_slice())
     }
 
     /// The blocks in order.
@@ -90,6 +149,9 @@ impl Trajectory {
     /// Where the machine is at a time; before the beginning and after the end it stands still.
     pub fn at(&self, time_s: f64) -> State {
         let index = self.block_at(time_s);
+        if let Some(driven) = &self.driven {
+            return driven.at(time_s, index);
+        }
         match self.blocks.get(index) {
             Some(block) => block.at(time_s, index),
             None => State {
@@ -103,6 +165,9 @@ impl Trajectory {
 
     /// Machine coordinates at a time near that of a block, by its index, mm: much sooner found than by [`at`](Self::at).
     pub fn position_near_mm(&self, time_s: f64, near: usize) -> Vector3<f64> {
+        if let Some(driven) = &self.driven {
+            return driven.position_mm(time_s);
+        }
         let mut index = near.min(self.blocks.len().saturating_sub(1));
         while index > 0 && self.blocks[index].start_s > time_s {
             index -= 1;
@@ -124,6 +189,9 @@ impl Trajectory {
     /// Moments at which a slide turns round, in order, s: the first motion after a standstill in the
     /// other sense, or the middle of an arc where the tangent leaves the slide's direction.
     pub fn reversals_s(&self) -> Vec<f64> {
+        if let Some(driven) = &self.driven {
+            return driven.turns_s();
+        }
         let mut times: Vec<f64> = Vec::new();
         for block in &self.blocks {
             let Some((motion, profile)) = &block.motion else { continue };
@@ -143,6 +211,10 @@ impl Trajectory {
     pub fn corner(&self, time_s: f64, block: usize) -> Corner {
         let Some(now) = self.blocks.get(block) else { return Motion::REST.corner };
         let end_s = now.start_s + now.duration_s;
+        if let Some(driven) = &self.driven {
+            let [before, after] = [-CORNER_S, CORNER_S].map(|s| driven.velocity_mm_s(end_s + s));
+            return Corner { ahead_s: (end_s - time_s).max(0.0), jump_mm_s: after - before };
+        }
         let after = self
             .blocks
             .get(block + 1)
@@ -153,6 +225,9 @@ impl Trajectory {
 
     /// When (s) and where (mm) one slide begins to move against its last motion, in order.
     pub(super) fn turns(&self, slide: usize) -> Vec<(f64, f64)> {
+        if let Some(driven) = &self.driven {
+            return driven.reversals(slide).collect();
+        }
         let mut turns = Vec::new();
         let mut sense = 0.0;
         let mut meet = |now: f64, at: (f64, f64)| {

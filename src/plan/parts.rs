@@ -205,6 +205,8 @@ pub struct Run {
     pub program: PathBuf,
     /// The log.
     pub log: PathBuf,
+    /// What the control recorded of its motion, in place of the estimate.
+    pub motion: Option<PathBuf>,
     /// Index of the mounting.
     pub mounting: usize,
     /// Where the override knob stood, as a share of 1.

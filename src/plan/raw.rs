@@ -159,6 +159,7 @@ fn check_terms(names: &[String]) -> Result<()> {
 pub(super) struct RawRun {
     program: Spanned<String>,
     log: Spanned<String>,
+    motion: Option<String>,
     name: Option<Spanned<String>>,
     mounting: Option<Spanned<String>>,
     feed_override_percent: Option<Spanned<f64>>,
@@ -198,6 +199,7 @@ impl RawRun {
             name,
             program: beside(self.program.get_ref()),
             log: beside(self.log.get_ref()),
+            motion: self.motion.as_deref().map(beside),
             mounting,
             feed_override: percent / 100.0,
             repeat: self.repeat.unwrap_or(before.len() as u32 + 1),

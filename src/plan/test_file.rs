@@ -87,10 +87,13 @@ impl Test {
         &self.file
     }
 
-    /// All files that belong to the test: its own, that of the machine, programs and logs of the runs.
+    /// All files that belong to the test: its own, that of the machine, programs, logs and recorded motions of the runs.
     pub fn files(&self) -> Vec<PathBuf> {
-        let runs = self.runs.iter().flat_map(|run| [&run.program, &run.log]);
-        [&self.file, &self.machine].into_iter().chain(runs).cloned().collect()
+        let of = |run: &'_ Run| {
+            [&run.program, &run.log].into_iter().chain(&run.motion).cloned().collect::<Vec<_>>()
+        };
+        let runs = self.runs.iter().flat_map(of);
+        [&self.file, &self.machine].into_iter().cloned().chain(runs).collect()
     }
 
     /// SHA-256 of the file's text, in hexadecimal.
@@ -189,6 +192,26 @@ impl Test {
     pub fn with_estimation(mut self, estimation: Estimation) -> Self {
         self.estimation = estimation;
         self
+    }
+
+    /// The same test with these recorded motions for its runs, in their order.
+    ///
+    /// # Errors
+    /// When there are not as many as runs.
+    pub fn with_motions(mut self, motions: &[PathBuf]) -> Result<Self> {
+        let runs = self.runs()?.len();
+        if motions.len() != runs {
+            return Err(Error::input(format!(
+                "{} recorded motion(s) for {runs} run(s)",
+                motions.len()
+            ))
+            .at(Place::file(&self.file))
+            .hint("give `--motion` once for each `[[run]]`, in their order, or name the file in the run: `motion = \"motion.csv\"`"));
+        }
+        for (run, motion) in self.runs.iter_mut().zip(motions) {
+            run.motion = Some(motion.clone());
+        }
+        Ok(self)
     }
 
     /// How many tests the runs make: runs of the same repeat are one.

@@ -1,9 +1,13 @@
 //! How the control drives otherwise than the machine file says.
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 
 use super::clock::Clock;
 use super::random::{Purpose, Stream};
+use crate::error::{Error, Result};
+use crate::log::Recording;
 use crate::machine::Machine;
 use crate::motion::{BlockKind, State, Trajectory};
 use crate::nc::{Action, Program, Step};
@@ -20,6 +24,8 @@ pub struct Control {
     pub standing_s: [f64; 2],
     /// Time constants of first-order following of X, Y, Z, s.
     pub following_s: Vector3<f64>,
+    /// How a real control drove the program: in place of the planned times, and of the operator's pauses.
+    pub recorded: Option<Arc<Recording>>,
 }
 
 impl Control {
@@ -29,6 +35,7 @@ impl Control {
         acceleration_change_s: None,
         standing_s: [0.0; 2],
         following_s: Vector3::new(0.0, 0.0, 0.0),
+        recorded: None,
     };
 
     /// The trajectory of a program as this control drives it.
@@ -38,16 +45,34 @@ impl Control {
         machine: &Machine,
         feed_override: f64,
         seed: u64,
-    ) -> Trajectory {
+    ) -> Result<Trajectory> {
+        if let Some(recorded) = &self.recorded {
+            self.check_recorded(feed_override)?;
+            return Trajectory::recorded(program, machine, recorded);
+        }
         let machine =
             machine.clone().with_accelerations(self.acceleration, self.acceleration_change_s);
         let planned = Trajectory::new(program, &machine, feed_override);
         if self.standing_s[1] <= 0.0 {
-            return planned;
+            return Ok(planned);
         }
         let mut program = program.clone();
         program.steps = self.steps(&program.steps, &planned, seed);
-        Trajectory::new(&program, &machine, feed_override)
+        Ok(Trajectory::new(&program, &machine, feed_override))
+    }
+
+    /// Nothing but the slides may differ from a motion that was recorded.
+    fn check_recorded(&self, feed_override: f64) -> Result<()> {
+        let own = Self {
+            following_s: self.following_s,
+            recorded: self.recorded.clone(),
+            ..Self::AS_PLANNED
+        };
+        if *self == own && (feed_override - 1.0).abs() < f64::EPSILON {
+            return Ok(());
+        }
+        Err(Error::input("a motion that was recorded has its own feed, accelerations and standstills")
+            .hint("leave `feed_override_percent` and, of `[motion]`, all but `following_ms` out of the scenario, and hide no `feed-override`"))
     }
 
     /// The steps with every standstill as long as it takes.

@@ -84,8 +84,12 @@ pub fn run(
 ) -> Result<SimulatedRun> {
     let bent = Bent::new(machine, mounting, scenario)?;
     let scenario = &bent.scenario;
-    let trajectory =
-        scenario.control.trajectory(program, &bent.machine, scenario.feed_override, scenario.seed);
+    let trajectory = scenario.control.trajectory(
+        program,
+        &bent.machine,
+        scenario.feed_override,
+        scenario.seed,
+    )?;
     let pauses_s = pauses_s(program, &trajectory, scenario)?;
     let clock = Clock::new(&trajectory, scenario.start_s, scenario.clock_ppm, pauses_s);
     let sample_rate_hz = scenario.sample_rate_hz.unwrap_or(bar.sample_rate_hz);
@@ -141,6 +145,9 @@ pub fn run(
 
 /// How long every operator's pause of the program is, s.
 fn pauses_s(program: &Program, trajectory: &Trajectory, scenario: &Scenario) -> Result<Vec<f64>> {
+    if let Some(recorded_s) = trajectory.recorded_pauses_s() {
+        return Ok(recorded_s.to_vec());
+    }
     let stops = clock::stops_s(trajectory).len();
     match &scenario.pauses {
         Pauses::Between(limits_s) => {

@@ -41,6 +41,7 @@ pub(super) fn measured(
                 feed_override: run.feed_override,
                 log: log::read_bytes(csv.as_bytes(), file, &log::Format::default())?,
                 source: Arc::clone(&course.programs[run.program].source),
+                motion: None,
             })
         })
         .collect::<Result<Vec<_>>>()?;

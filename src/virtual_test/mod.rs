@@ -1,9 +1,11 @@
 //! A whole test on a virtual machine: its programs, every run of each, and the truth behind their logs.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use crate::design::PlannedProgram;
 use crate::error::Result;
+use crate::log::Recording;
 use crate::machine::Machine;
 use crate::nc;
 use crate::plan::Test;
@@ -12,7 +14,7 @@ use crate::simulate::{
 };
 
 /// A program to simulate, and the mounting it runs in.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct VirtualProgram {
     /// Name under which it is written; where it runs in several mountings, each time the same.
     pub file: String,
@@ -20,6 +22,8 @@ pub struct VirtualProgram {
     pub text: String,
     /// Index of the mounting.
     pub mounting: usize,
+    /// How a real control drove it.
+    pub motion: Option<Arc<Recording>>,
 }
 
 /// A run that was simulated, and the log that it wrote.
@@ -62,7 +66,12 @@ pub fn programs(test: &Test, machine: &Machine) -> Result<Vec<VirtualProgram>> {
         return (0..test.mountings().len())
             .map(|mounting| {
                 let written = PlannedProgram::new(test, machine, mounting)?;
-                Ok(VirtualProgram { file: written.file_name, text: written.text, mounting })
+                Ok(VirtualProgram {
+                    file: written.file_name,
+                    text: written.text,
+                    mounting,
+                    motion: None,
+                })
             })
             .collect();
     }
@@ -80,7 +89,7 @@ pub fn programs(test: &Test, machine: &Machine) -> Result<Vec<VirtualProgram>> {
         let file = known.map_or_else(|| free_name(path, &programs), |(_, file)| file.clone());
         programs.push((path, file.clone()));
         let text = nc::text_of(path)?;
-        sources.push(VirtualProgram { file, text, mounting: run.mounting });
+        sources.push(VirtualProgram { file, text, mounting: run.mounting, motion: None });
     }
     Ok(sources)
 }
@@ -109,11 +118,12 @@ pub fn simulate(
             let seed = scenario.seed.wrapping_add(u64::from(repeat - 1) * 1000 + index as u64);
             // Runs count in the order in which their logs are written and stand in the test file.
             let number = simulated.len() as u32 + 1;
-            let scenario = scenario
+            let mut scenario = scenario
                 .clone()
                 .with_seed(seed)
                 .with_run_number(number)
                 .with_mounting_number(source.mounting as u32 + 1);
+            scenario.control.recorded.clone_from(&source.motion);
             let bar = test.bar_of(source.mounting);
             let run = run(machine, &mounting.mounting, &program, &bar, &scenario)?;
             simulated.push(VirtualRun {

@@ -19,6 +19,7 @@ mod instrument;
 mod killed;
 mod logs;
 mod monitor;
+mod motion;
 mod mountings;
 mod plan;
 mod planes;

@@ -54,7 +54,7 @@ impl Set {
     pub(crate) fn align(&self, log: &Log, program: &Program) -> Result<Alignment> {
         let (mounting, bar) = (self.mountings()[0], self.test.ball_bar());
         let rig = align::Rig { machine: &self.machine, mounting: &mounting, bar };
-        align::align(&align::Run { log, program, rig, feed_override: 1.0 })
+        align::align(&align::Run { log, program, rig, feed_override: 1.0, driven: None })
     }
 
     /// A run of the test file, aligned.

@@ -16,7 +16,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;
 
-use ballbar::motion::Trajectory;
+use ballbar::motion::{Block, Trajectory};
 use programs::{Run, runs};
 use recording::{Recording, Row, rests};
 
@@ -58,6 +58,29 @@ fn estimated_times_are_those_of_a_real_planner() {
         std::fs::write(&file, format!("{}{table}{}", &page[..start], &page[end..])).unwrap();
     } else {
         assert_eq!(page[start..end], table, "BALLBAR_UPDATE_DOCS=1 writes docs/planner.md anew");
+    }
+}
+
+#[test]
+fn the_blocks_of_a_program_are_found_in_what_a_planner_did() {
+    for run in runs() {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let file = file.join(format!("tests/data/planner/{}.csv.gz", run.name));
+        let recording = ballbar::log::Recording::read(&file).unwrap();
+        let trajectory = Trajectory::recorded(&run.read_back(), &run.machine(), &recording);
+        let trajectory = trajectory.unwrap_or_else(|error| panic!("{}: {error}", run.name));
+        // From its first row to its last: rows are 20 ms apart.
+        let rows = Recording::read(run.name);
+        let off_s = motion_s(&trajectory) - rows[rows.len() - 1].time_s;
+        let apart_mm = |block: &Block| {
+            let at_mm = trajectory.at(block.start_s + block.duration_s).position_mm;
+            block.motion().map_or(0.0, |motion| (at_mm - motion.end_mm).norm())
+        };
+        let farthest_mm = trajectory.blocks().iter().map(apart_mm).fold(0.0, f64::max);
+        println!("{}: {off_s:+.3} s, ends of blocks within {farthest_mm:.3} mm", run.what);
+        assert!(off_s.abs() < 0.05, "{}: {off_s} s", run.what);
+        // In 20 ms at 2000 mm/min a slide goes 0.7 mm.
+        assert!(farthest_mm < 0.5, "{}: {farthest_mm} mm", run.what);
     }
 }
 

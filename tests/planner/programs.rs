@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use ballbar::machine::Machine;
 use ballbar::motion::Trajectory;
-use ballbar::nc::{self, Reading};
+use ballbar::nc::{self, Program, Reading};
 use ballbar::plan::{self, Test};
 use nalgebra::Vector3;
 
@@ -39,13 +39,16 @@ impl Run {
         machine(self.acceleration)
     }
 
+    /// The program as it is read back.
+    pub(crate) fn read_back(&self) -> Program {
+        let mut reading = Reading::of(&self.machine());
+        reading.work_offsets_mm.insert(54, Vector3::zeros());
+        nc::read(&self.program(), "p.ngc".as_ref(), &reading).unwrap()
+    }
+
     /// The program as it is estimated.
     pub(crate) fn trajectory(&self) -> Trajectory {
-        let machine = self.machine();
-        let mut reading = Reading::of(&machine);
-        reading.work_offsets_mm.insert(54, Vector3::zeros());
-        let read = nc::read(&self.program(), "p.ngc".as_ref(), &reading).unwrap();
-        Trajectory::new(&read, &machine, 1.0)
+        Trajectory::new(&self.read_back(), &self.machine(), 1.0)
     }
 }
 

@@ -35,6 +35,7 @@ fn read(input: &[u8]) -> bool {
         feed_override: 1.0,
         log,
         source: Arc::new(source),
+        motion: None,
     };
     let aligned = run.aligned(&rig.test, &rig.machine);
     if !accepted(&aligned) {

@@ -1,6 +1,6 @@
 //! Files as bytes on a disk: packed, not text, of the wrong kind. Every reader gets every input.
 
-use ballbar::log::Format;
+use ballbar::log::{Format, Recording};
 use ballbar::machine::Machine;
 use ballbar::model::ModelFile;
 use ballbar::nc::{Source, text_of};
@@ -53,6 +53,7 @@ fn read(input: &[u8]) -> bool {
         accepted(&ModelFile::read(path)),
         accepted(&text_of(path)),
         accepted(&program),
+        accepted(&Recording::read(path)),
         accepted(&ballbar::log::read(path, &Format::default())),
     ];
     taken.iter().any(|taken| *taken)

@@ -9,6 +9,7 @@ mod files;
 mod log;
 mod machine;
 mod model;
+mod motion;
 mod past;
 mod plan;
 mod program;
@@ -34,13 +35,14 @@ pub struct Target {
 }
 
 /// All of them.
-pub const ALL: [Target; 17] = [
+pub const ALL: [Target; 18] = [
     machine::TARGET,
     test::TARGET,
     scenario::TARGET,
     model::TARGET,
     effect::TARGET,
     log::TARGET,
+    motion::TARGET,
     workbook::TARGET,
     b5r::TARGET,
     program::TARGET,
