@@ -60,6 +60,17 @@ pub struct Feature {
     /// By how much the volumetric error falls without it, mm rms over the sphere that was measured; `None` where not all axes
     /// moved, or where it displaces nothing that stands still.
     pub volumetric_fall_mm: Option<f64>,
+    /// What is left once it and those before it in the order of repair are gone; `None` of what is not told apart from 0.
+    pub then: Option<Left>,
+}
+
+/// What is left without several features.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Left {
+    /// Of G(b), of one way of G, mm.
+    pub deviation_mm: f64,
+    /// Of the volumetric error, mm rms; `None` where not all axes moved.
+    pub volumetric_mm: Option<f64>,
 }
 
 impl Feature {
@@ -84,6 +95,7 @@ impl Feature {
             fall_noise_mm: None,
             fall_all_mm: None,
             volumetric_fall_mm: None,
+            then: None,
         }
     }
 

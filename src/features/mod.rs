@@ -19,6 +19,8 @@
 //! [`circular`](crate::circular), both without the readings at a reversal whose time is not known well enough to say which way the axis
 //! went. Falls do not add up: a range is not a sum. Its uncertainty is that of the value.
 //!
+//! **The order of repair** begins with what is told apart from 0: always next is that without which least is left of G(b), those before it gone.
+//!
 //! **The share** is what Ballbar 20 prints, as far as its reports show: `m_i / sum m` over its own features, `m` the larger magnitude of its values
 //! in um, of squareness `s R`, of servo mismatch `d v` with the speed `v` along the path, of a cyclic error from peak to peak. It says how large a value is beside
 //! others, not what it does to the circle.
@@ -28,11 +30,12 @@ mod backlash;
 mod feature;
 mod found;
 mod geometry;
+mod order;
 mod rank;
 mod readings;
 mod scene;
 mod servo;
 mod volume;
 
-pub use feature::{Feature, Kind};
+pub use feature::{Feature, Kind, Left};
 pub use rank::{Ranking, of};

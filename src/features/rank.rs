@@ -1,11 +1,13 @@
-//! Features of the circular tests of a repeat, the largest fall first.
+//! Features of the circular tests of a repeat, in the order of repair.
 
 use rayon::prelude::*;
 
 use super::feature::Feature;
 use super::readings::Readings;
 use super::scene::{Draft, Scene};
-use super::{angles, backlash, found, geometry, servo, volume};
+use super::order::Deed;
+use super::volume::Volume;
+use super::{angles, backlash, found, geometry, order, servo};
 use crate::circular::CircularTest;
 use crate::diagnose::Finding;
 use crate::error::Result;
@@ -21,7 +23,7 @@ const NOTHING_MM: f64 = 1e-7;
 pub struct Ranking<'a> {
     /// The test.
     pub test: &'a CircularTest,
-    /// Those that are told apart from 0 first, the largest fall of the deviation first.
+    /// Those that are told apart from 0 in the order of repair, then the others, the largest fall of the deviation first.
     pub features: Vec<Feature>,
     /// By how much G(b) falls, of one way G, without all those that are not told apart from 0 together, mm.
     pub untold_fall_mm: f64,
@@ -81,11 +83,11 @@ fn ranked<'a>(scene: &Scene, test: &'a CircularTest) -> Result<Ranking<'a>> {
     drafts.extend(servo::draft(scene));
     drafts.extend(angles::drafts(scene));
     drafts.extend(found::drafts(scene));
-    let volume = volume::Volume::of(scene);
+    let volume = Volume::of(scene);
     let readings = Readings::of(scene, test);
     let as_read = vec![0.0; readings.count()];
     let read_mm = readings.deviation_without_mm(&as_read, 0.0)?;
-    let (mut features, mut all_mm, mut untold_mm) = (Vec::new(), as_read.clone(), as_read);
+    let (mut deeds, mut all_mm, mut untold_mm) = (Vec::new(), as_read.clone(), as_read);
     for Draft { feature, column } in drafts {
         let adds_mm = readings.adds_mm(&column);
         let does = adds_mm.iter().any(|mm| mm.abs() > NOTHING_MM);
@@ -105,21 +107,24 @@ fn ranked<'a>(scene: &Scene, test: &'a CircularTest) -> Result<Ranking<'a>> {
             }
             _ => Ok(None),
         };
-        features.push(Feature {
+        let moves_mm = volume.as_ref().and_then(|volume| volume.moves_mm(&column));
+        let volumetric_fall_mm = volume.as_ref().zip(moves_mm.as_ref());
+        let feature = Feature {
             fall_mm: fall_mm(1.0)?,
             fall_noise_mm: by(feature.noise)?,
             fall_all_mm: by(feature.uncertainty())?,
-            volumetric_fall_mm: volume.as_ref().and_then(|volume| volume.fall_mm(&column)),
+            volumetric_fall_mm: volumetric_fall_mm.map(|(volume, moves)| volume.fall_mm(moves)),
             ..feature
-        });
+        };
+        deeds.push(Deed { feature, adds_mm, moves_mm });
     }
-    share(&mut features);
-    features.sort_by(|a, b| b.is_told().cmp(&a.is_told()).then(b.fall_mm.total_cmp(&a.fall_mm)));
     let left_mm = readings.deviation_without_mm(&all_mm, 1.0)?;
     let commanded_mm = readings.deviation_mm(&readings.commanded_mm())?;
     let unexplained_mm = readings.deviation_mm(&readings.residual_mm())?;
     let untold_fall_mm = read_mm - readings.deviation_without_mm(&untold_mm, 1.0)?;
-    let volumetric_mm = volume.map(|volume| volume.rms_mm());
+    let volumetric_mm = volume.as_ref().map(Volume::rms_mm);
+    let mut features = order::of(&readings, volume, deeds)?;
+    share(&mut features);
     Ok(Ranking {
         test,
         features,

@@ -63,17 +63,28 @@ impl Volume {
         rms_mm(&self.error_mm)
     }
 
-    /// By how much it falls without a feature, mm; `None` where that displaces nothing.
-    pub(super) fn fall_mm(&self, column: &Column) -> Option<f64> {
+    /// By what a feature displaces each point, without the best rigid motion, mm; `None` where that is nothing.
+    pub(super) fn moves_mm(&self, column: &Column) -> Option<Vec<Vector3<f64>>> {
         let of = |at: &[Situation; 3]| Vector3::from_fn(|k, _| column(&at[k], 0));
         let mut moved_mm: Vec<Vector3<f64>> = self.situations.iter().map(of).collect();
         if moved_mm.iter().all(|moved| moved.norm() < NOTHING_MM) {
             return None;
         }
         rest(&self.beside_mm, &mut moved_mm);
+        Some(moved_mm)
+    }
+
+    /// The error without a feature.
+    pub(super) fn without(mut self, moved_mm: &[Vector3<f64>]) -> Self {
+        self.error_mm.iter_mut().zip(moved_mm).for_each(|(error, moved)| *error -= moved);
+        self
+    }
+
+    /// By how much it falls without a feature, mm.
+    pub(super) fn fall_mm(&self, moved_mm: &[Vector3<f64>]) -> f64 {
         let without: Vec<Vector3<f64>> =
-            self.error_mm.iter().zip(&moved_mm).map(|(error, moved)| error - moved).collect();
-        Some(self.rms_mm() - rms_mm(&without))
+            self.error_mm.iter().zip(moved_mm).map(|(error, moved)| error - moved).collect();
+        self.rms_mm() - rms_mm(&without)
     }
 }
 

@@ -26,7 +26,7 @@ pub struct RankingResult {
     pub deviation_um: f64,
     /// The volumetric error over the sphere that was measured, um rms; `None` where not all axes moved.
     pub volumetric_um: Option<f64>,
-    /// The largest fall first, then what is not told apart from 0.
+    /// In the order of repair, then what is not told apart from 0.
     pub features: Vec<FeatureResult>,
     /// By how much the deviation falls without all those together that are not told apart from 0, um.
     pub untold_fall_um: f64,
@@ -77,4 +77,8 @@ pub struct FeatureResult {
     pub fall_all_um: Option<f64>,
     /// By how much the volumetric error falls without it, um rms.
     pub volumetric_fall_um: Option<f64>,
+    /// What is left of the deviation once it and those before it are gone, um; `None` of what is not told apart from 0.
+    pub left_um: Option<f64>,
+    /// And of the volumetric error, um rms.
+    pub volumetric_left_um: Option<f64>,
 }

@@ -92,5 +92,7 @@ fn numbers(of: &Feature) -> FeatureResult {
         fall_noise_um: um(of.fall_noise_mm),
         fall_all_um: um(of.fall_all_mm),
         volumetric_fall_um: um(of.volumetric_fall_mm),
+        left_um: um(of.then.map(|left| left.deviation_mm)),
+        volumetric_left_um: um(of.then.and_then(|left| left.volumetric_mm)),
     }
 }

@@ -25,7 +25,7 @@ struct Ranked {
 
 struct Row {
     told: bool,
-    cells: [String; 8],
+    cells: [String; 9],
 }
 
 /// The worst circular test on page one.
@@ -58,7 +58,7 @@ pub(in crate::report) fn in_short(facts: &RankingFacts, most: usize) -> Option<I
     let shown = terminal::worst_repeats(facts);
     let worst = shown.into_iter().max_by(|a, b| a.deviation_um.total_cmp(&b.deviation_um))?;
     let row = |of: &FeatureResult| {
-        let Row { told, cells: [feature, value, noise, all, share, _, words, _] } = row(of);
+        let Row { told, cells: [feature, value, noise, all, share, _, words, _, _] } = row(of);
         let uncertain = if of.all.is_some() { all } else { noise };
         let fall = typeset(&signed(of.fall_um, 2));
         ShortRow { feature, value, words, uncertain, share, fall, told }
@@ -114,6 +114,7 @@ fn row(of: &FeatureResult) -> Row {
             fall,
             words.to_owned(),
             volumetric,
+            terminal::left(of).replace('-', "–"),
         ],
     }
 }

@@ -9,7 +9,7 @@ use crate::report::text::numbers::{fixed, signed};
 use crate::report::text::words::list;
 
 /// What the columns mean.
-pub(super) const MEANING: &str = "Falls: what the deviation of these readings is lower by if that one feature were repaired; a range is no sum, so they do not add up. Share: what Ballbar 20 prints, each value in um over the sum of all; it says nothing of the circle.";
+pub(super) const MEANING: &str = "Falls: what the deviation of these readings is lower by if that one feature were repaired; a range is no sum, so they do not add up. Left: what is then left of it when those above are repaired as well, the order of repair. Share: what Ballbar 20 prints, each value in um over the sum of all; it says nothing of the circle.";
 
 /// The features of every test; empty where there are none.
 pub(in crate::report) fn text(facts: &RankingFacts) -> String {
@@ -23,10 +23,10 @@ pub(in crate::report) fn text(facts: &RankingFacts) -> String {
             test.deviation,
             fixed(test.deviation_um, 2)
         );
-        let head = ["", "value", "noise", "all", "", "share", "falls, um", ""];
+        let head = ["", "value", "noise", "all", "", "share", "falls, um", "left, um", ""];
         let mut rows = vec![head.map(str::to_owned).to_vec()];
         rows.extend(told(test).map(row));
-        text.push_str(&table(&rows, "lrrrlrrl"));
+        text.push_str(&table(&rows, "lrrrlrrrl"));
         for sentence in sentences(test) {
             paragraph(&mut text, "  ", &sentence);
         }
@@ -54,6 +54,7 @@ fn row(of: &FeatureResult) -> Vec<String> {
         of.unit.to_owned(),
         share(of),
         signed(of.fall_um, 2),
+        left(of),
         of.in_words.clone(),
     ]
 }
@@ -67,6 +68,10 @@ pub(super) fn values(of: &FeatureResult) -> [String; 3] {
 
 pub(super) fn share(of: &FeatureResult) -> String {
     of.share_percent.map_or_else(|| "-".to_owned(), |share| format!("{} %", fixed(share, 0)))
+}
+
+pub(super) fn left(of: &FeatureResult) -> String {
+    of.left_um.map_or_else(|| "-".to_owned(), |um| fixed(um, 2))
 }
 
 /// What stands below the table.
@@ -114,11 +119,13 @@ pub(super) fn sentences(test: &RankingResult) -> Vec<String> {
     }
     if let Some(volumetric_um) = test.volumetric_um {
         let falls: Vec<String> = told(test)
-            .filter_map(|of| Some((of, of.volumetric_fall_um?)))
-            .map(|(of, um)| format!("{} {}", of.feature, signed(um, 2)))
+            .filter_map(|of| Some((of, of.volumetric_fall_um?, of.volumetric_left_um?)))
+            .map(|(of, falls_um, left_um)| {
+                format!("{} {} (left {})", of.feature, signed(falls_um, 2), fixed(left_um, 2))
+            })
             .collect();
         sentences.push(format!(
-            "Volumetric error over the sphere that was measured {} um rms; it falls by, in um: {}.",
+            "Volumetric error over the sphere that was measured {} um rms; it falls by, in um, and is left when those before are repaired as well: {}.",
             fixed(volumetric_um, 2),
             list(falls)
         ));
