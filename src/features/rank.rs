@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 
 use super::feature::Feature;
+use super::order::Deed;
 use super::readings::Readings;
 use super::scene::{Draft, Scene};
-use super::order::Deed;
 use super::volume::Volume;
 use super::{angles, backlash, found, geometry, order, servo};
 use crate::circular::CircularTest;
