@@ -23,7 +23,7 @@ pub(in crate::report) fn text(facts: &RankingFacts) -> String {
             test.deviation,
             fixed(test.deviation_um, 2)
         );
-        let head = ["", "value", "noise", "all", "", "share", "falls, um", "left, um", ""];
+        let head = ["", "value", "noise", "all", "", "share", "falls", "left", ""];
         let mut rows = vec![head.map(str::to_owned).to_vec()];
         rows.extend(told(test).map(row));
         text.push_str(&table(&rows, "lrrrlrrrl"));
