@@ -38,7 +38,14 @@ pub fn identify(model: &Model, runs: Vec<RunInput>, options: &Options) -> Result
         fit.runs.iter_mut().for_each(|run| run.alignment.look_up_means());
         // With offsets known to a second, the facets of the chorded path only mislead: fit the smooth
         // part first, then find the facets, then fit all.
-        steps += fit.iterate(timing::Detail::Smooth)?.steps;
+        let outcome = fit.iterate(timing::Detail::Smooth)?;
+        steps += outcome.steps;
+        if fit.state.knows() {
+            // What the model does not explain yet pulls the times with the weight of as many readings as there are. Times that
+            // were wrong leave little once they are right; a vibration stays, and counts for what it is.
+            fit.state.correlated = fit.correlated(&outcome)?;
+            steps += fit.iterate(timing::Detail::Smooth)?.steps;
+        }
         fit.find_facets(Look::First);
     }
     let mut outcome = fit.iterate(timing::Detail::Full)?;
@@ -199,8 +206,7 @@ impl<'a> Fit<'a> {
         let (mut least, most_mm) = (f64::INFINITY, self.state.sigma_mm);
         self.state.bent = true;
         for round in 0..2 {
-            let noise = self.noise(&self.left_mm(), &outcome)?;
-            least = least.min((noise.long_run_variance().sqrt() / noise.sigma()).max(1.0));
+            least = least.min(self.correlated(&outcome)?);
             self.state.correlated = least;
             if round == 0 {
                 self.let_go();
@@ -209,6 +215,12 @@ impl<'a> Fit<'a> {
             self.state.sigma_mm = self.state.sigma_mm.min(most_mm);
         }
         Ok(outcome)
+    }
+
+    /// For how much more than one reading alone the noise of readings counts whose neighbours err alike.
+    fn correlated(&self, outcome: &Outcome) -> Result<f64> {
+        let noise = self.noise(&self.left_mm(), outcome)?;
+        Ok((noise.long_run_variance().sqrt() / noise.sigma()).max(1.0))
     }
 
     /// Widens, once, what is plausible of what came out far beyond it: of an error that bends more than is plausible in
