@@ -191,8 +191,11 @@ impl Walk<'_> {
         let slack_mm = SLACK_MM + SLACK * block.length_mm;
         let from_mm = way_mm[begins] + (block.length_mm - slack_mm).max(0.0);
         let to_mm = way_mm[begins] + longest_mm(block) + slack_mm;
-        let from = begins + way_mm[begins..].partition_point(|way| *way < from_mm);
-        let to = begins + way_mm[begins..].partition_point(|way| *way <= to_mm);
+        let from =
+            begins + way_mm[begins..].partition_point(|way| *way < from_mm).saturating_sub(1);
+        // And a row to either side: at 100 mm/s rows of every 20 ms are farther apart than most blocks are long.
+        let beyond = begins + way_mm[begins..].partition_point(|way| *way <= to_mm) + 1;
+        let to = beyond.min(self.rows.len());
         let from = from.min(self.rows.len() - 1);
         let apart_mm = |row: usize| (self.rows[row].position_mm - motion.end_mm).norm();
         let waits = self.blocks.get(index + 1).is_some_and(stands);
