@@ -125,9 +125,9 @@ fn of_a_plane(analysis: &Analysis) -> Option<(Vec<Lever>, Option<Lever>)> {
         |a: &&RankingResult, b: &&RankingResult| a.deviation_um.total_cmp(&b.deviation_um);
     let worst = facts.tests.iter().max_by(by_size)?;
     let told = worst.features.iter().filter(|of| of.told_apart_from_0 && !of.what_to_do.is_empty());
-    let mut levers: Vec<Lever> = told.map(|of| feature(of, worst.deviation)).collect();
-    let worth = levers.partition_point(|lever| lever.size_um >= WORTH_REPAIR_UM);
-    let small = levers.split_off(worth);
+    let (mut levers, small): (Vec<Lever>, Vec<Lever>) = told
+        .map(|of| feature(of, worst.deviation))
+        .partition(|lever| lever.size_um >= WORTH_REPAIR_UM);
     levers.truncate(SENTENCES);
     Some((levers, small.into_iter().next()))
 }

@@ -49,6 +49,8 @@ pub(in crate::report) struct ShortRow {
     pub(in crate::report) uncertain: String,
     pub(in crate::report) share: String,
     pub(in crate::report) fall: String,
+    /// With those above it gone as well.
+    pub(in crate::report) left: String,
     /// It stands out of what is not known of it.
     pub(in crate::report) told: bool,
 }
@@ -58,10 +60,10 @@ pub(in crate::report) fn in_short(facts: &RankingFacts, most: usize) -> Option<I
     let shown = terminal::worst_repeats(facts);
     let worst = shown.into_iter().max_by(|a, b| a.deviation_um.total_cmp(&b.deviation_um))?;
     let row = |of: &FeatureResult| {
-        let Row { told, cells: [feature, value, noise, all, share, _, words, _, _] } = row(of);
+        let Row { told, cells: [feature, value, noise, all, share, _, words, _, left] } = row(of);
         let uncertain = if of.all.is_some() { all } else { noise };
         let fall = typeset(&signed(of.fall_um, 2));
-        ShortRow { feature, value, words, uncertain, share, fall, told }
+        ShortRow { feature, value, words, uncertain, share, fall, left, told }
     };
     Some(InShort {
         title: format!("{}, {} {} µm", worst.test, worst.deviation, fixed(worst.deviation_um, 1)),
