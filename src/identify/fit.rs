@@ -1,23 +1,16 @@
 //! The joint fit of coefficients and time maps.
 
 use super::columns::Columns;
-use super::facets::Look;
 use super::input::{Options, RunInput};
 use super::result::Identification;
 use super::state::{State, apart};
-use super::{facets, timing, words};
-use crate::align::{Part, TimeMap};
+use super::{timing, words};
+use crate::align::Part;
 use crate::error::{Error, Kind, Result};
 use crate::model::{Model, ParameterId};
 use crate::solve::Loss;
 use crate::solve::{self, Bordered, BorderedCovariance, BorderedSolution, Solution, Unknowns};
 
-/// So often facets are looked for again.
-const MOST_LOOKS: usize = 3;
-/// A doubtful leg is tried at so many other places.
-const MOST_PLACES: usize = 4;
-/// And stays there if the residual falls below this share of what it was.
-const BETTER: f64 = 0.999;
 /// Neither a clock nor a feed is farther off than this, as a share of 1: beyond, a step has gone astray.
 const FARTHEST: f64 = 0.05;
 /// Slides that follow later than this do not hold a circle, s.
@@ -33,32 +26,11 @@ pub fn identify(model: &Model, runs: Vec<RunInput>, options: &Options) -> Result
     let mut fit = Fit::of(model, runs, options);
     fit.check_enough()?;
     let mut steps = 0;
-    let coarse = fit.coarse_legs();
-    if coarse {
-        fit.runs.iter_mut().for_each(|run| run.alignment.look_up_means());
-        // With offsets known to a second, the facets of the chorded path only mislead: fit the smooth
-        // part first, then find the facets, then fit all.
-        let outcome = fit.iterate(timing::Detail::Smooth)?;
-        steps += outcome.steps;
-        if fit.state.knows() {
-            // What the model does not explain yet pulls the times with the weight of as many readings as there are. Times that
-            // were wrong leave little once they are right; a vibration stays, and counts for what it is.
-            fit.state.correlated = fit.correlated(&outcome)?;
-            steps += fit.iterate(timing::Detail::Smooth)?.steps;
-        }
-        fit.find_facets(Look::First);
-    }
-    let mut outcome = fit.iterate(timing::Detail::Full)?;
-    if coarse {
-        // The better times along a leg are known, the more legs show their facets.
-        for _ in 0..MOST_LOOKS {
-            if !fit.find_facets(Look::Again) {
-                break;
-            }
-            outcome = fit.iterate(timing::Detail::Full)?;
-        }
-        outcome = fit.try_elsewhere(outcome);
-    }
+    let mut outcome = if fit.coarse_legs() {
+        fit.find_times(&mut steps)?
+    } else {
+        fit.iterate(timing::Detail::Full)?
+    };
     if options.loss != Loss::Off {
         for _ in 0..10 {
             fit.reweigh();
@@ -147,57 +119,6 @@ impl<'a> Fit<'a> {
         .hint("check that the log covers the program, or choose fewer terms"))
     }
 
-    /// Whether any leg is known to no better than the facets of the path can tell apart.
-    fn coarse_legs(&self) -> bool {
-        self.runs.iter().any(|run| {
-            let map = &run.alignment.time_map;
-            run.alignment
-                .legs()
-                .iter()
-                .any(|&leg| map.offset_sigmas_s[leg] > facets::catch_s(map, leg))
-        })
-    }
-
-    fn find_facets(&mut self, look: Look) -> bool {
-        let mut found = false;
-        for run in &mut self.runs {
-            found |= facets::find(self.model, &self.state.values, run, look);
-            run.place();
-        }
-        found
-    }
-
-    /// Fits again with every doubtful leg where else it could lie, and keeps what fits better.
-    fn try_elsewhere(&mut self, mut best: Outcome) -> Outcome {
-        for index in 0..self.runs.len() {
-            let doubts = facets::doubts(self.model, &self.state.values, &self.runs[index]);
-            for doubt in doubts {
-                for shift_s in doubt.shifts_s.into_iter().take(MOST_PLACES) {
-                    let kept = self.state.clone();
-                    let maps: Vec<TimeMap> =
-                        self.runs.iter().map(|run| run.alignment.time_map.clone()).collect();
-                    let run = &mut self.runs[index];
-                    run.alignment.time_map.offsets_s[doubt.leg] -= shift_s;
-                    run.place();
-                    let better_mm = BETTER * kept.sigma_mm;
-                    match self.iterate(timing::Detail::Full) {
-                        Ok(outcome) if self.state.sigma_mm < better_mm => {
-                            best = outcome;
-                            break;
-                        }
-                        _ => {}
-                    }
-                    self.state = kept;
-                    for (run, map) in self.runs.iter_mut().zip(maps) {
-                        run.alignment.time_map = map;
-                        run.place();
-                    }
-                }
-            }
-        }
-        best
-    }
-
     /// Fits again with readings that count for as much as they do although neighbours err alike, and with what came
     /// out beyond what is plausible let go.
     fn weigh_against_plausible(&mut self, mut outcome: Outcome) -> Result<Outcome> {
@@ -218,7 +139,7 @@ impl<'a> Fit<'a> {
     }
 
     /// For how much more than one reading alone the noise of readings counts whose neighbours err alike.
-    fn correlated(&self, outcome: &Outcome) -> Result<f64> {
+    pub(super) fn correlated(&self, outcome: &Outcome) -> Result<f64> {
         let noise = self.noise(&self.left_mm(), outcome)?;
         Ok((noise.long_run_variance().sqrt() / noise.sigma()).max(1.0))
     }

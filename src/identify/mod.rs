@@ -20,6 +20,7 @@
 mod asked;
 mod campaign;
 mod cautions;
+mod coarse;
 mod columns;
 mod complete;
 mod effects;
