@@ -2,6 +2,7 @@
 
 use super::facets::{self, Look};
 use super::fit::{Fit, Outcome};
+use super::state::State;
 use super::timing::Detail;
 use crate::align::TimeMap;
 use crate::error::Result;
@@ -12,6 +13,11 @@ const MOST_LOOKS: usize = 3;
 const MOST_PLACES: usize = 4;
 /// And stays there if the residual falls below this share of what it was.
 const BETTER: f64 = 0.999;
+/// Noise that counts for less than this is the noise of single readings: a chord that is found with the one is found with the other.
+const MATTERS: f64 = 2.0;
+
+/// Where a fit stood: state and times.
+type Kept = (State, Vec<TimeMap>);
 
 impl Fit<'_> {
     /// Whether any leg is known to no better than the facets of the path can tell apart.
@@ -40,13 +46,11 @@ impl Fit<'_> {
             let doubts = facets::doubts(self.model, &self.state.values, &self.runs[index]);
             for doubt in doubts {
                 for shift_s in doubt.shifts_s.into_iter().take(MOST_PLACES) {
-                    let kept = self.state.clone();
-                    let maps: Vec<TimeMap> =
-                        self.runs.iter().map(|run| run.alignment.time_map.clone()).collect();
+                    let kept = self.kept();
                     let run = &mut self.runs[index];
                     run.alignment.time_map.offsets_s[doubt.leg] -= shift_s;
                     run.place();
-                    let better_mm = BETTER * kept.sigma_mm;
+                    let better_mm = BETTER * kept.0.sigma_mm;
                     match self.iterate(Detail::Full) {
                         Ok(outcome) if self.state.sigma_mm < better_mm => {
                             best = outcome;
@@ -54,11 +58,7 @@ impl Fit<'_> {
                         }
                         _ => {}
                     }
-                    self.state = kept;
-                    for (run, map) in self.runs.iter_mut().zip(maps) {
-                        run.alignment.time_map = map;
-                        run.place();
-                    }
+                    self.back_to(kept);
                 }
             }
         }
@@ -67,26 +67,72 @@ impl Fit<'_> {
 
     /// With offsets known to a second, the facets of the chorded path only mislead: fits the smooth
     /// part first, then finds the facets, then fits all.
+    ///
+    /// What the smooth fit leaves pulls the times with the weight of as many readings as there are. Is it what the model
+    /// does not explain, it has to count for what it is, and times that are plausible hold; is it chords, seen by
+    /// readings that are too few for them, it says nothing of the noise, and times would stay too uncertain for
+    /// chords to be found. What is left tells one from the other: where it matters both ways are gone.
     pub(super) fn find_times(&mut self, steps: &mut usize) -> Result<Outcome> {
         self.runs.iter_mut().for_each(|run| run.alignment.look_up_means());
         let outcome = self.iterate(Detail::Smooth)?;
         *steps += outcome.steps;
-        if self.state.knows() {
-            // What the model does not explain yet pulls the times with the weight of as many readings as there are. Times that
-            // were wrong leave little once they are right; a vibration stays, and counts for what it is.
-            self.state.correlated = self.correlated(&outcome)?;
-            *steps += self.iterate(Detail::Smooth)?.steps;
+        if !self.state.knows() {
+            let outcome = self.find_chords(f64::INFINITY)?;
+            return Ok(self.try_elsewhere(outcome));
         }
-        let outcome = self.find_chords()?;
+        self.state.correlated = self.correlated(&self.left_in_mm(Detail::Smooth), &outcome)?;
+        *steps += self.iterate(Detail::Smooth)?.steps;
+        let smooth = self.kept();
+        let weighed = self.find_chords(f64::INFINITY);
+        if smooth.0.correlated < MATTERS {
+            return Ok(self.try_elsewhere(weighed?));
+        }
+        let outcome = self.or_each_for_one(smooth, weighed)?;
         Ok(self.try_elsewhere(outcome))
     }
 
-    /// Fits all. The better times along a leg are known, the more legs show their facets.
-    fn find_chords(&mut self) -> Result<Outcome> {
+    /// Goes the way from the smooth fit again with every reading counted for one, and comes back to the weighed one
+    /// unless, weighed alike in the end, less is left.
+    fn or_each_for_one(&mut self, smooth: Kept, weighed: Result<Outcome>) -> Result<Outcome> {
+        let there = self.kept();
+        self.back_to(smooth);
+        self.state.correlated = 1.0;
+        let less_mm = if weighed.is_ok() { BETTER * there.0.sigma_mm } else { f64::INFINITY };
+        let each_for_one = self.find_chords(less_mm).and_then(|_| {
+            self.state.correlated = there.0.correlated;
+            self.iterate(Detail::Full)
+        });
+        match each_for_one {
+            Ok(outcome) if self.state.sigma_mm < less_mm => Ok(outcome),
+            _ => {
+                self.back_to(there);
+                weighed
+            }
+        }
+    }
+
+    /// Where the fit stands.
+    fn kept(&self) -> Kept {
+        let maps = self.runs.iter().map(|run| run.alignment.time_map.clone()).collect();
+        (self.state.clone(), maps)
+    }
+
+    /// Goes back to where it stood.
+    fn back_to(&mut self, (state, maps): Kept) {
+        self.state = state;
+        for (run, map) in self.runs.iter_mut().zip(maps) {
+            run.alignment.time_map = map;
+            run.place();
+        }
+    }
+
+    /// Fits all. The better times along a leg are known, the more legs show their facets; none are looked for again
+    /// where more than this is left with the first.
+    fn find_chords(&mut self, most_mm: f64) -> Result<Outcome> {
         self.find_facets(Look::First);
         let mut outcome = self.iterate(Detail::Full)?;
         for _ in 0..MOST_LOOKS {
-            if !self.find_facets(Look::Again) {
+            if self.state.sigma_mm > most_mm || !self.find_facets(Look::Again) {
                 break;
             }
             outcome = self.iterate(Detail::Full)?;

@@ -127,7 +127,7 @@ impl<'a> Fit<'a> {
         let (mut least, most_mm) = (f64::INFINITY, self.state.sigma_mm);
         self.state.bent = true;
         for round in 0..2 {
-            least = least.min(self.correlated(&outcome)?);
+            least = least.min(self.correlated(&self.left_mm(), &outcome)?);
             self.state.correlated = least;
             if round == 0 {
                 self.let_go();
@@ -139,8 +139,8 @@ impl<'a> Fit<'a> {
     }
 
     /// For how much more than one reading alone the noise of readings counts whose neighbours err alike.
-    pub(super) fn correlated(&self, outcome: &Outcome) -> Result<f64> {
-        let noise = self.noise(&self.left_mm(), outcome)?;
+    pub(super) fn correlated(&self, left_mm: &[Vec<f64>], outcome: &Outcome) -> Result<f64> {
+        let noise = self.noise(left_mm, outcome)?;
         Ok((noise.long_run_variance().sqrt() / noise.sigma()).max(1.0))
     }
 

@@ -212,6 +212,19 @@ impl Fit<'_> {
         self.runs.iter().map(|run| run.samples().iter().map(|s| of(run, s)).collect()).collect()
     }
 
+    /// Observed minus computed at every sample of every run where only so much of the path counts, mm.
+    pub(super) fn left_in_mm(&self, detail: timing::Detail) -> Vec<Vec<f64>> {
+        let of = |index: usize, sample: &Sample| {
+            let run = &self.runs[index];
+            let view = timing::view(self.model, &self.state.values, run, sample, detail);
+            self.residual_mm(index, &view)
+        };
+        let of_run = |(index, run): (usize, &RunInput)| {
+            run.samples().par_iter().map(|sample| of(index, sample)).collect()
+        };
+        self.runs.iter().enumerate().map(of_run).collect()
+    }
+
     /// The deviation that the model computes at a sample, mm.
     pub(super) fn computed_mm(&self, run: &RunInput, sample: &Sample) -> f64 {
         let values = &self.state.values;
