@@ -119,6 +119,7 @@ pub fn watched(
     let (noise, left_mm) = (beside.noise(), &beside.left_mm);
     let explained = fitted.and_then(|_| gain::explained(&gains.arcs));
     let samples = residuals.samples();
+    let smallest_mm2 = thresholds::stands_mm2(residuals, noise, beside.left_mm2());
     let verdict = Verdict {
         before_mm: searched.rms_mm(searched.model_mm2()),
         after_mm: residuals.rms_mm(left_mm.product(left_mm)),
@@ -129,7 +130,7 @@ pub fn watched(
         samples,
         explained: explained.map(|explained| explained.share),
         explained_interval: explained.and_then(|explained| explained.interval),
-        smallest_mm: residuals.rms_mm(thresholds::threshold_mm2(&beside)),
+        smallest_mm: residuals.rms_mm(smallest_mm2),
     };
     let pictures = fitted.map_or_else(Vec::new, |fitted| {
         let of = |k| picture::picture(residuals, fitted, k, left_mm, noise.long_run_mm2);

@@ -56,14 +56,31 @@ pub(crate) const TUNED: f64 = 20.0;
 /// Less than this part of the variance is nothing to explain in a run. By trial.
 pub(crate) const NOTHING: f64 = 0.02;
 
-/// The smallest score that counts beside some effects, mm².
+/// The smallest score that is looked for beside some effects, mm². Of `S` that is left, with what is looked for in it,
+/// `n = S / v` pieces are independent, and what noise is in them is known from themselves only: a gain `g` is worth
+///
+/// `n ln(S / (S - g)) = 50`, so `g = S (1 - exp(-50 v / S))`.
+///
+/// That is `50 v` where readings are many, and never all there is.
 pub(crate) fn threshold_mm2(beside: &Beside) -> f64 {
-    counts_mm2(beside.residuals, beside.noise())
+    let (noise, left_mm2) = (beside.noise(), beside.left_mm2());
+    let chance = -left_mm2 * (-chance(noise, left_mm2)).exp_m1();
+    chance.max(worth_naming_mm2(beside.residuals, noise))
 }
 
-/// The smallest score that counts where this is the noise, mm².
-pub(crate) fn counts_mm2(residuals: &Residuals, noise: &Noise) -> f64 {
-    let chance = BEYOND_CHANCE * noise.long_run_mm2;
-    let samples = residuals.samples() as f64;
-    chance.max(WORTH_NAMING * WORTH_NAMING * noise.variance_mm2 * samples)
+/// The smallest gain that stands where this is left beside it, mm²: `n ln((S + g) / S) = 50` of
+/// [`threshold_mm2`].
+pub(crate) fn stands_mm2(residuals: &Residuals, noise: &Noise, left_mm2: f64) -> f64 {
+    let chance = left_mm2 * chance(noise, left_mm2).exp_m1();
+    chance.max(worth_naming_mm2(residuals, noise))
+}
+
+/// `50 / n`, with one piece at the least; nothing left is no noise.
+fn chance(noise: &Noise, left_mm2: f64) -> f64 {
+    let piece = if left_mm2 > 0.0 { noise.long_run_mm2 / left_mm2 } else { 0.0 };
+    BEYOND_CHANCE * piece.min(1.0)
+}
+
+fn worth_naming_mm2(residuals: &Residuals, noise: &Noise) -> f64 {
+    WORTH_NAMING * WORTH_NAMING * noise.variance_mm2 * residuals.samples() as f64
 }

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::diagnose::seek::candidate::{Candidate, Tried};
 use crate::diagnose::seek::screen::{Prospect, Screen};
 use crate::diagnose::seek::{curves, vibration};
-use crate::diagnose::thresholds::{OF_A_CURVE, SHADOW, SHOWS, counts_mm2, threshold_mm2};
+use crate::diagnose::thresholds::{OF_A_CURVE, SHADOW, SHOWS, stands_mm2, threshold_mm2};
 use crate::identify::Campaign;
 use crate::residual::{self, Beside, Element, Fitted, Noise, Owner, Residuals, Tuning};
 
@@ -157,9 +157,13 @@ impl<'a> Search<'a> {
 /// curve; of the others, whose edges a curve cannot follow, by much.
 fn falls_short(beside: &Beside, cause: &Tried, curve: &Tried) -> bool {
     let bends = cause.fitted.elements.iter().any(Element::makes_any_curve);
-    let noise = || Noise::of(beside.residuals, &curve.fitted.left_mm(beside));
+    let counts_mm2 = || {
+        let left_mm = curve.fitted.left_mm(beside);
+        let noise = Noise::of(beside.residuals, &left_mm);
+        stands_mm2(beside.residuals, &noise, left_mm.square())
+    };
     cause.score_mm2 < OF_A_CURVE * curve.score_mm2
-        || (bends && cause.score_mm2 + counts_mm2(beside.residuals, &noise()) < curve.score_mm2)
+        || (bends && cause.score_mm2 + counts_mm2() < curve.score_mm2)
 }
 
 /// The most promising candidates fitted to the samples themselves, the best first; nothing where none

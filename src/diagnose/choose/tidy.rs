@@ -2,9 +2,7 @@
 
 use super::search::Search;
 use crate::diagnose::seek::curves;
-use crate::diagnose::thresholds::{
-    FIGHTING, INSTEAD_OF_A_CURVE, OF_A_CURVE, SHADOW, threshold_mm2,
-};
+use crate::diagnose::thresholds::{FIGHTING, INSTEAD_OF_A_CURVE, OF_A_CURVE, SHADOW, stands_mm2};
 use crate::machine::Axis;
 use crate::model::{Form, Law, Variable};
 use crate::residual::{Beside, Element, Fitted};
@@ -25,7 +23,7 @@ impl Search<'_> {
     pub(crate) fn beyond_chance(&self, fitted: Fitted) -> Option<Fitted> {
         let mut fitted = fitted;
         loop {
-            let least_mm2 = threshold_mm2(&self.beside(Some(&fitted)));
+            let least_mm2 = self.stands_mm2(&fitted);
             let without = |k: usize| {
                 let mut others = fitted.elements.clone();
                 others.remove(k);
@@ -41,6 +39,12 @@ impl Search<'_> {
             }
             fitted = rest?;
         }
+    }
+
+    /// The smallest gain that stands beside all of these.
+    fn stands_mm2(&self, fitted: &Fitted) -> f64 {
+        let beside = self.beside(Some(fitted));
+        stands_mm2(beside.residuals, beside.noise(), beside.left_mm2())
     }
 
     /// Causes in place of curves, where they explain as much.
@@ -113,7 +117,7 @@ impl Search<'_> {
         let size = |k: usize| fitted.part_mm2(k, self.residuals()).sqrt();
         let largest = self.largest_curve(&fitted);
         let most = FIGHTING * fitted.gain_mm2.max(0.0).sqrt();
-        let least = threshold_mm2(&self.beside(Some(&fitted))).sqrt();
+        let least = self.stands_mm2(&fitted).sqrt();
         let credible = |k: usize| size(k) > least.max(SHADOW * largest) && size(k) < most;
         let kept: Vec<Element> = (0..fitted.elements.len())
             .filter(|k| fitted.elements[*k].shape().is_none() || credible(*k))

@@ -8,6 +8,8 @@ use crate::report::text::numbers::{fixed, many, percent};
 
 /// Structure of less than so many of its standard deviations may be chance.
 const BEYOND_CHANCE: f64 = 3.0;
+/// Where an effect has to be so many times what is left to be named, a test is too short to name any.
+const TOO_SHORT: f64 = 10.0;
 /// Two residuals are told apart that differ by more than this share: less is rounding and samples at the ends of arcs.
 const UNLIKE: f64 = 0.02;
 
@@ -57,10 +59,10 @@ impl VerdictFacts {
                 )
             }),
             noise: format!(
-                "Residual noise: {} um rms; between neighbouring readings: {} um rms. Effects below {} um rms would not have been named.",
+                "Residual noise: {} um rms; between neighbouring readings: {} um rms. {}",
                 um(all.after_mm),
                 um(all.neighbours_mm),
-                um(all.smallest_mm)
+                least(all)
             ),
         }
     }
@@ -195,6 +197,18 @@ fn rms(of: &Structure) -> String {
         return format!("at most {}", um(least_mm));
     }
     um(of.rms_mm())
+}
+
+/// How large an effect would have been named.
+fn least(all: &Verdict) -> String {
+    if all.smallest_mm > TOO_SHORT * all.after_mm {
+        return format!(
+            "What is left changes so slowly that its {} count for {:.0} independent ones: no effect of its size would have been named.",
+            many(all.samples, "reading"),
+            all.effective_samples.max(1.0)
+        );
+    }
+    format!("Effects below {} um rms would not have been named.", um(all.smallest_mm))
 }
 
 fn found(findings: &[Finding]) -> String {
