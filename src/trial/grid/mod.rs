@@ -149,9 +149,9 @@ fn true_too(factors: &Factors) -> Vec<&'static str> {
 }
 
 /// Outcomes by factor and value.
-fn by_stratum(outcomes: &[Outcome]) -> BTreeMap<(&'static str, &str), Vec<&Outcome>> {
+fn by_stratum<'a>(outcomes: &[&'a Outcome]) -> BTreeMap<(&'static str, &'a str), Vec<&'a Outcome>> {
     let mut strata: BTreeMap<_, Vec<&Outcome>> = BTreeMap::new();
-    for outcome in outcomes {
+    for &outcome in outcomes {
         for (factor, value) in &outcome.strata {
             strata.entry((*factor, value.as_str())).or_default().push(outcome);
         }

@@ -55,12 +55,9 @@ pub fn table(outcomes: &[Outcome]) -> String {
             "all",
             Rate::of(&of_class, |o| so(o))
         );
-        for ((factor, value), trials) in by_stratum(outcomes) {
-            let trials: Vec<&&Outcome> = trials.iter().filter(|o| o.class == class).collect();
-            if !trials.is_empty() {
-                let name = format!("{factor}: {value}");
-                let _ = writeln!(text, "  {name:42} {}", Rate::of(&trials, |o| so(o)));
-            }
+        for ((factor, value), trials) in by_stratum(&of_class) {
+            let name = format!("{factor}: {value}");
+            let _ = writeln!(text, "  {name:42} {}", Rate::of(&trials, |o| so(o)));
         }
     }
     text.push_str(&numbers(outcomes));
@@ -70,28 +67,52 @@ pub fn table(outcomes: &[Outcome]) -> String {
 /// Kinds of numbers that people ask.
 const KINDS: [&str; 4] = ["scale", "squareness", "reversal", "lateral play"];
 
-/// How often what people ask was within two of its stated uncertainty, where nothing was hidden.
+/// Where *all* is no more than so many times *noise*, nothing but noise is between a number and the truth.
+const TOLD: f64 = 3.0;
+
+/// By which of its uncertainties a number is judged: its name, which numbers, and how many of it the number is off.
+type By = (&'static str, fn(&OffBy) -> bool, fn(&OffBy) -> f64);
+
+const BY: [By; 2] = [
+    ("*all*", |_| true, |off| off.alls.abs()),
+    ("*noise*, of those of which *all* is no more than three times it", told, |off| {
+        off.noises.abs()
+    }),
+];
+
+fn told(off: &OffBy) -> bool {
+    off.noises.abs() <= TOLD * off.alls.abs()
+}
+
+/// How often what people ask was within two of its stated uncertainty.
 fn numbers(outcomes: &[Outcome]) -> String {
-    let nothing = outcomes.iter().filter(|o| o.class == Class::None);
-    let off: Vec<&OffBy> = nothing.clone().flat_map(|o| &o.off_by).collect();
-    if off.is_empty() {
-        return String::new();
-    }
-    let within = |off: &[&OffBy]| Rate::of(off, |off| off.alls.abs() <= 2.0);
-    let mut text = format!(
-        "none: numbers within two of their stated *all*, at least 95 %\n  {:42} {}\n",
-        "all",
-        within(&off)
-    );
-    for kind in KINDS {
-        let of_kind: Vec<&OffBy> =
-            off.iter().copied().filter(|off| off.name.starts_with(kind)).collect();
-        let _ = writeln!(text, "  {kind:42} {}", within(&of_kind));
-    }
-    for ((factor, value), trials) in by_stratum(outcomes) {
-        let nothing = trials.iter().filter(|o| o.class == Class::None);
-        let off: Vec<&OffBy> = nothing.flat_map(|o| &o.off_by).collect();
-        let _ = writeln!(text, "  {:42} {}", format!("{factor}: {value}"), within(&off));
+    let mut text = String::new();
+    let hidden = |o: &&Outcome| o.class == Class::None;
+    for (what, nothing) in [("nothing hidden", true), ("something hidden", false)] {
+        let of: Vec<&Outcome> = outcomes.iter().filter(|o| hidden(o) == nothing).collect();
+        for (name, counts, off_by) in BY {
+            let within = |trials: &[&Outcome], kind: &str| {
+                let off: Vec<&OffBy> = trials
+                    .iter()
+                    .flat_map(|o| &o.off_by)
+                    .filter(|off| counts(off) && off.name.starts_with(kind))
+                    .collect();
+                Rate::of(&off, |off| off_by(off) <= 2.0)
+            };
+            let all = within(&of, "");
+            if all.of == 0 {
+                continue;
+            }
+            let _ = writeln!(text, "{what}: numbers within two of {name}, at least 95 %");
+            let _ = writeln!(text, "  {:42} {all}", "all");
+            for kind in KINDS {
+                let _ = writeln!(text, "  {kind:42} {}", within(&of, kind));
+            }
+            for ((factor, value), trials) in by_stratum(&of) {
+                let name = format!("{factor}: {value}");
+                let _ = writeln!(text, "  {name:42} {}", within(&trials, ""));
+            }
+        }
     }
     text
 }
