@@ -6,44 +6,130 @@
 //! `x(t + T) = ∫ c(t + T (1 - s)) exp(-s) ds`,
 //!
 //! the path with its corners rounded, and on a circle of radius R at the speed v a radius smaller by `(v T)² / 2 R`.
+//!
+//! Slides that follow unlike have `T_k = T (1 + r_k)`.
 
 use nalgebra::Vector3;
 
-use crate::motion::Trajectory;
+use crate::motion::{Followed, Times, Trajectory};
 
 /// Abscissas and weights of Gauss and Laguerre for six points (Abramowitz and Stegun, Table 25.9): exact for
-/// polynomials of degree 11, and near enough for the roof of a chord that takes longer than `T`.
-const POINTS: [(f64, f64); 6] = [
+/// polynomials of degree 11. The last one weighs less than a part in a million and is left out.
+const POINTS: [(f64, f64); 5] = [
     (0.222_846_604_179, 0.458_964_673_950),
     (1.188_932_101_673, 0.417_000_830_772),
     (2.992_736_326_059, 0.113_373_382_074),
     (5.775_143_569_105, 0.010_399_197_453),
     (9.837_467_418_383, 0.000_261_017_203),
-    (15.982_873_980_602, 0.000_000_898_548),
 ];
 /// A lag that moves no corner by more than rounding of the program, s.
 const NONE_S: f64 = 1e-5;
 
-/// Where slides are that follow with a time constant, mm; its delay is not counted. The time is near that of a block, by
-/// its index.
-pub(super) fn at(
-    trajectory: &Trajectory,
-    program_s: f64,
-    near: usize,
-    following_s: f64,
-) -> Vector3<f64> {
-    if following_s < NONE_S {
-        return trajectory.position_near_mm(program_s, near);
-    }
-    // The last points weigh less than a part in a thousand.
-    POINTS[..5].iter().fold(Vector3::zeros(), |sum, (s, weight)| {
-        let then_s = program_s + following_s * (1.0 - s);
-        sum + *weight / WEIGHTS * trajectory.position_near_mm(then_s, near)
-    })
+/// So few readings do not fill a window evenly.
+const FEW: usize = 6;
+
+/// Where slides are that follow a program.
+#[derive(Debug, Clone)]
+pub struct Following {
+    /// The time constant that they share, s: its delay is not counted.
+    common_s: f64,
+    /// The time constant of each, s.
+    constants_s: Vector3<f64>,
+    /// Whether arcs are made of chords.
+    chords: bool,
+    /// `None` where they follow at once, and of a motion that was recorded.
+    blocks: Option<Followed>,
 }
 
-/// Sum of the weights that are used.
-const WEIGHTS: f64 = 0.999_999_101_452;
+impl Following {
+    /// With the time constant that slides share and by which share that of each is longer, along arcs that are `chords` or not.
+    /// Of a motion that was recorded nobody knows how it goes on from row to row: there it is a mean over what was commanded.
+    pub(super) fn new(
+        trajectory: &Trajectory,
+        common_s: f64,
+        longer: &Vector3<f64>,
+        chords: bool,
+    ) -> Self {
+        let constants_s = longer.map(|longer| common_s * (1.0 + longer));
+        let blocks = if common_s < NONE_S { None } else { Followed::new(trajectory, constants_s) };
+        Self { common_s, constants_s, chords, blocks }
+    }
+
+    /// Whether slides are where they are commanded to be.
+    pub fn at_once(&self) -> bool {
+        self.common_s < NONE_S
+    }
+
+    /// Where the slides are (mm), and by how much more of its time constant moves each (mm/s; 0 where they follow at once).
+    /// The delay of what they share is not counted; that of each counts as what it differs by. The time is near that of a
+    /// block, by its index.
+    pub fn at(&self, trajectory: &Trajectory, program_s: f64, near: usize) -> [Vector3<f64>; 2] {
+        if self.at_once() {
+            return [trajectory.position_near_mm(program_s, near), Vector3::zeros()];
+        }
+        match &self.blocks {
+            Some(followed) => followed.at(trajectory, program_s + self.common_s, near),
+            None => {
+                self.in_the_mean(|later_s| trajectory.position_near_mm(program_s + later_s, near))
+            }
+        }
+    }
+
+    /// The mean over so many times of [`Self::at`] on an arc, and of what it grows by.
+    pub fn mean(&self, trajectory: &Trajectory, times: &Times, near: usize) -> [Vector3<f64>; 2] {
+        if !self.chords {
+            // A curve of third degree.
+            let node_s = times.node_s();
+            let three = [-node_s, 0.0, node_s]
+                .map(|aside_s| self.at(trajectory, times.middle_s() + aside_s, near));
+            return [0, 1].map(|k| three.iter().map(|of| of[k]).sum::<Vector3<f64>>() / 3.0);
+        }
+        let mean_mm = |later_s: f64| trajectory.mean_position_mm(&times.later(later_s), near);
+        if self.at_once() {
+            return [mean_mm(0.0), Vector3::zeros()];
+        }
+        if let Some(followed) = &self.blocks {
+            let late = times.later(self.common_s);
+            if times.count <= FEW {
+                let each =
+                    (0..times.count).map(|k| followed.at(trajectory, late.at_s(k as f64), near));
+                let sum =
+                    each.fold([Vector3::zeros(); 2], |sum, of| [sum[0] + of[0], sum[1] + of[1]]);
+                return sum.map(|sum| sum / times.count.max(1) as f64);
+            }
+            // A box of the same variance; with that the equation of the lag itself has the mean.
+            let window_s = (12.0 * late.variance_s2()).sqrt();
+            let [before, after] = [-0.5, 0.5]
+                .map(|share| followed.at(trajectory, late.middle_s() + share * window_s, near));
+            let [rise, of_rise] = [0, 1].map(|k| (after[k] - before[k]) / window_s);
+            let mean_mm = mean_mm(self.common_s) - self.constants_s.component_mul(&rise);
+            return [mean_mm, -rise - self.constants_s.component_mul(&of_rise)];
+        }
+        self.in_the_mean(mean_mm)
+    }
+
+    /// With `s = x / T` the mean has the weights `exp(-s) exp(s (1 - T / T_k))`.
+    fn in_the_mean(&self, at_mm: impl Fn(f64) -> Vector3<f64>) -> [Vector3<f64>; 2] {
+        let (mut sum, mut all) = (Vector3::zeros(), Vector3::zeros());
+        let (mut slope, mut of_all) = (Vector3::zeros(), Vector3::zeros());
+        for (s, weight) in &POINTS {
+            let position_mm = at_mm(self.common_s * (1.0 - s));
+            for k in 0..3 {
+                let constant_s = self.constants_s[k];
+                let by = weight * (s * (1.0 - self.common_s / constant_s)).exp();
+                // `d ln(by) / d T_k`
+                let grows = s * self.common_s / constant_s.powi(2);
+                sum[k] += by * position_mm[k];
+                all[k] += by;
+                slope[k] += by * grows * position_mm[k];
+                of_all[k] += by * grows;
+            }
+        }
+        let mean: Vector3<f64> = sum.component_div(&all);
+        let slope = slope.component_div(&all) - mean.component_mul(&of_all.component_div(&all));
+        [mean, slope]
+    }
+}
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
@@ -52,10 +138,9 @@ mod tests {
 
     #[test]
     fn the_mean_delay_is_one_and_a_parabola_is_bent_by_its_second_moment() {
-        let mean = |f: &dyn Fn(f64) -> f64| {
-            POINTS[..5].iter().map(|(s, weight)| weight / WEIGHTS * f(*s)).sum::<f64>()
-        };
-        assert!((mean(&|_| 1.0) - 1.0).abs() < 1e-9);
+        let mean =
+            |f: &dyn Fn(f64) -> f64| POINTS.iter().map(|(s, weight)| weight * f(*s)).sum::<f64>();
+        assert!((mean(&|_| 1.0) - 1.0).abs() < 1e-6);
         assert!((mean(&|s| s) - 1.0).abs() < 2e-5);
         // c = t²: x(t + T) = t² + T².
         assert!((mean(&|s| (1.0 - s).powi(2)) - 1.0).abs() < 3e-4);

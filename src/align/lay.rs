@@ -3,10 +3,10 @@
 use std::ops::Range;
 
 use super::draft::Draft;
-use super::ramp::{Mark, MarkKind};
+use super::ramp::{Mark, MarkKind, UNEQUAL_DELAY_S};
 use super::run::Run;
 use super::samples::{Alignment, Part};
-use super::time_map::TimeMap;
+use super::time_map::{EXCESS_S, TimeMap};
 use super::{clipped, engagement};
 use crate::error::{Error, Kind, Place, Result};
 use crate::log::Log;
@@ -78,9 +78,20 @@ struct Excess {
     sigma: f64,
 }
 
-/// The log laid over the program at the feed that really was: what the clock cannot explain is the feed,
-/// unless it was lost at one place. What is left after some rounds is what it is.
+/// The log laid over the program at the feed that really was, with standstills as the program says; where that does not come
+/// out, within what they plausibly take. A release and the next engagement may be known to a millisecond each, and where the
+/// acceleration is not the stated one the pause of two seconds between them is a poor measure of a feed.
 fn at_real_feed(run: &Run, observed: &[Range<usize>]) -> Result<(Draft, Excess)> {
+    let error = match at_feed_of(run, observed, UNEQUAL_DELAY_S) {
+        Ok(found) => return Ok(found),
+        Err(error) => error,
+    };
+    at_feed_of(run, observed, EXCESS_S).map_err(|_| error)
+}
+
+/// The same with each standstill within so much of the program's, s: what the clock cannot explain is the feed, unless it was
+/// lost at one place. What is left after some rounds is what it is.
+fn at_feed_of(run: &Run, observed: &[Range<usize>], standing_s: f64) -> Result<(Draft, Excess)> {
     let clock_tolerance = run.rig.bar.clock_tolerance;
     let mut excess = Excess::default();
     let (strict, any_feed) = (engagement::DURATION_TOLERANCE, engagement::ANY_FEED_TOLERANCE);
@@ -102,7 +113,7 @@ fn at_real_feed(run: &Run, observed: &[Range<usize>]) -> Result<(Draft, Excess)>
         let explained = draft.time_map.rate.abs() < 1.5 * clock_tolerance;
         // The clock's tolerance would hold the rate back.
         let mut at_any_rate = draft.time_map.clone();
-        at_any_rate.fit_marks_at_any_rate(&draft.marks)?;
+        at_any_rate.fit_marks_at_any_rate(&draft.marks, standing_s)?;
         let (rate, rate_sigma) = (at_any_rate.rate, at_any_rate.rate_sigma);
         // Once it is the feed, longer standstills must not make up for a feed that went too far.
         if explained && (round == 0 || rate.abs() < NEAR * clock_tolerance) {

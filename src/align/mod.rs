@@ -16,6 +16,7 @@
 mod breaks;
 mod by_angle;
 mod clipped;
+mod corners;
 mod data_arc;
 mod draft;
 mod engagement;
@@ -41,7 +42,9 @@ mod window;
 pub use breaks::Break;
 pub use by_angle::by_angle;
 pub use clipped::taken_out as clipped;
+pub use corners::Corners;
 pub use engagement::{Engagement, Refusal};
+pub use following::Following;
 pub use lay::align;
 pub use misread::{Misread, misread};
 pub use off_centre::off_centre;

@@ -5,16 +5,15 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use super::engagement::Engagement;
-use super::following;
+use super::following::Following;
 use super::mean_path::MeanPath;
 use super::ramp::Mark;
 use super::section::Section;
 use super::time_map::{Moment, TimeMap};
-use super::window;
 use crate::log::Reading;
 use crate::machine::Pose;
 use crate::model::Motion;
-use crate::motion::{Reversals, Trajectory};
+use crate::motion::{Reversals, State, Times, Trajectory};
 
 /// What part of the program a sample was taken in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -116,19 +115,12 @@ pub struct Alignment {
 impl Alignment {
     /// The readings, in a fast log their means, where the time map, as it is now, lays them.
     pub fn samples(&self) -> Vec<Sample> {
-        self.laid(&self.windows, self.node_s())
-    }
-
-    /// How far either side of its middle a sample that is a mean of readings is looked at, s; 0 where it is one reading.
-    ///
-    /// The mean of a curve of third degree over the readings is that of its values there and in the middle.
-    pub fn node_s(&self) -> f64 {
-        window::node_s(self.averaged, self.sample_period_s)
+        self.laid(&self.windows, self.averaged > 1)
     }
 
     /// Every reading where the time map, as it is now, lays it.
     pub fn every_reading(&self) -> Vec<Sample> {
-        self.laid(&self.readings, 0.0)
+        self.laid(&self.readings, false)
     }
 
     /// In what parts of the program readings were cut off while the bar was engaged.
@@ -136,14 +128,14 @@ impl Alignment {
         let engaged = |program_s: f64| {
             self.engagements.iter().any(|e| (e.start_s..=e.end_s).contains(&program_s))
         };
-        let laid = self.laid(&self.clipped, 0.0).into_iter();
+        let laid = self.laid(&self.clipped, false).into_iter();
         laid.filter(move |sample| engaged(sample.program_s)).map(|sample| sample.part)
     }
 
     /// The values that readings on arcs were cut off at, mm, each with how many.
     pub fn cut_off(&self) -> Vec<(f64, usize)> {
         let mut cut_mm: Vec<f64> = self
-            .laid(&self.clipped, 0.0)
+            .laid(&self.clipped, false)
             .into_iter()
             .filter(|sample| matches!(sample.part, Part::Arc(_)))
             .map(|sample| sample.deviation_mm)
@@ -154,8 +146,9 @@ impl Alignment {
     }
 
     /// Readings where the time map lays them, means of a window with the bow of the path in it taken off.
-    fn laid(&self, readings: &[Reading], node_s: f64) -> Vec<Sample> {
+    fn laid(&self, readings: &[Reading], means: bool) -> Vec<Sample> {
         let (trajectory, time_map) = (&self.trajectory, &self.time_map);
+        let following = self.following(0.0);
         let mut samples = Vec::with_capacity(readings.len());
         for &Reading { time_s: log_s, deviation_mm, line } in readings {
             let Some(deviation_mm) = deviation_mm else { continue };
@@ -182,7 +175,9 @@ impl Alignment {
             let blur_s =
                 if matches!(part, Part::Arc(_)) { time_map.chords[moment.leg].blur_s } else { 0.0 };
             if !moment.in_stop {
-                let path_mm = self.followed_mm(moment.program_s, state.block, time_map.following_s);
+                let [followed_mm, _] = following.at(trajectory, moment.program_s, state.block);
+                // Delays are those of the time map, all of them.
+                let path_mm = followed_mm + time_map.unlike_s().component_mul(&state.velocity_mm_s);
                 let onto_mm = if blur_s > 0.0 {
                     self.onto_mean_mm(&path_mm, &moment, blur_s)
                 } else {
@@ -191,10 +186,12 @@ impl Alignment {
                 let late_mm = time_map.delays_s.component_mul(&state.velocity_mm_s);
                 state.position_mm = path_mm + onto_mm - late_mm;
             }
-            let bow_mm = if node_s > 0.0 && moves && blur_s <= 0.0 {
-                self.bow_mm(moment.program_s, state.block, node_s)
-            } else {
+            let bow_mm = if !means || !moves || blur_s > 0.0 {
                 0.0
+            } else if self.chord_sag_mm > 0.0 && matches!(part, Part::Arc(_)) {
+                self.bow_of_chords_mm(&following, moment.program_s, &state)
+            } else {
+                self.bow_mm(&following, moment.program_s, state.block)
             };
             samples.push(Sample {
                 log_s,
@@ -246,13 +243,14 @@ impl Alignment {
         along * (self.radius_mm + mean_mm - ball_mm.norm())
     }
 
-    /// A sample of an arc as it would be a little later on its way.
-    pub fn later(&self, sample: &Sample, later_s: f64) -> Sample {
+    /// A sample of an arc as it would be a little later on its way, by how slides [follow](Self::following).
+    pub fn later(&self, following: &Following, sample: &Sample, later_s: f64) -> Sample {
         let program_s = sample.program_s + later_s;
         let state = self.trajectory.at(program_s);
-        let late_mm = self.time_map.delays_s.component_mul(&state.velocity_mm_s);
-        let position_mm =
-            self.followed_mm(program_s, state.block, self.time_map.following_s) - late_mm;
+        let late_s = self.time_map.delays_s - self.time_map.unlike_s();
+        let late_mm = late_s.component_mul(&state.velocity_mm_s);
+        let [path_mm, _] = following.at(&self.trajectory, program_s, state.block);
+        let position_mm = path_mm - late_mm;
         let motion = Motion {
             velocity_mm_s: state.velocity_mm_s,
             elapsed_s: sample.motion.elapsed_s + later_s,
@@ -267,20 +265,43 @@ impl Alignment {
 
     /// By how much the mean of the commanded length over a window is longer than the length in its middle, mm.
     ///
-    /// The mean of a curve of third degree is that of its values at the middle and [`window::node_s`] either side of it.
-    fn bow_mm(&self, program_s: f64, near: usize, node_s: f64) -> f64 {
+    /// The mean of a curve of third degree is that of its values at the middle and [`Times::node_s`] either side of it.
+    fn bow_mm(&self, following: &Following, program_s: f64, near: usize) -> f64 {
+        let node_s = self.times(program_s).node_s();
         let length_mm = |at_s: f64| {
-            (self.followed_mm(at_s, near, self.time_map.following_s) - self.coincidence_mm).norm()
+            let [path_mm, _] = following.at(&self.trajectory, at_s, near);
+            (path_mm - self.coincidence_mm).norm()
         };
         let [before_mm, middle_mm, after_mm] =
             [-node_s, 0.0, node_s].map(|aside_s| length_mm(program_s + aside_s));
         (before_mm + after_mm - 2.0 * middle_mm) / 3.0
     }
 
-    /// Where slides are at a program time that all follow the program alike with a time constant, mm; that they do so
-    /// late is in the offsets. The time is near that of a block, by its index.
-    pub fn followed_mm(&self, program_s: f64, near: usize, following_s: f64) -> Vector3<f64> {
-        following::at(&self.trajectory, program_s, near, following_s)
+    /// The same on an arc of chords, whose vertices no curve of third degree follows: by where the slides are in their mean, and
+    /// by what the bar is longer for their way across it.
+    fn bow_of_chords_mm(&self, following: &Following, program_s: f64, now: &State) -> f64 {
+        let [middle_mm, _] = following.at(&self.trajectory, program_s, now.block);
+        let times = self.times(program_s);
+        let [mean_mm, _] = following.mean(&self.trajectory, &times, now.block);
+        let ball_mm = middle_mm - self.coincidence_mm;
+        let along = ball_mm.try_normalize(f64::EPSILON).unwrap_or_else(Vector3::zeros);
+        let across_mm_s = now.velocity_mm_s - along * now.velocity_mm_s.dot(&along);
+        let across_mm2 = across_mm_s.norm_squared() * times.variance_s2();
+        along.dot(&(mean_mm - middle_mm)) + across_mm2 / (2.0 * self.radius_mm)
+    }
+
+    /// Program times of the readings of a sample about its own.
+    pub fn times(&self, program_s: f64) -> Times {
+        let count = self.averaged.max(1);
+        Times::about(program_s, self.sample_period_s / count as f64, count)
+    }
+
+    /// How slides follow the program by the time map as it is now, the time constant that they share longer by some seconds;
+    /// that they are late by it is in the offsets.
+    pub fn following(&self, longer_s: f64) -> Following {
+        let map = &self.time_map;
+        let chords = self.chord_sag_mm > 0.0;
+        Following::new(&self.trajectory, map.following_s + longer_s, &map.longer, chords)
     }
 
     /// Machine coordinates at which the ball centres coincide, mm.

@@ -7,6 +7,8 @@ use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 use rand_pcg::Pcg64Mcg;
 
+mod chords;
+
 use super::engagement::{DURATION_TOLERANCE, expected, observed, pair};
 use super::section::sections;
 use super::*;

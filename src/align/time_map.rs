@@ -52,6 +52,8 @@ pub struct TimeMap {
     pub delays_s: Vector3<f64>,
     /// Standard deviation of that, s.
     pub delay_sigmas_s: Vector3<f64>,
+    /// By which share of `following_s` the time constant of each slide is longer; that it is late by it is in `delays_s`.
+    pub longer: Vector3<f64>,
     /// Share by which the real feed differs from the programmed one times the stated override.
     pub override_excess: f64,
     /// Standard deviation of that share; 0 where it was not estimated.
@@ -68,7 +70,7 @@ pub struct TimeMap {
 
 /// What a standstill takes beyond what the program says plausibly is within this, s: in-position checks, and a control
 /// that brakes later or softer than its settings say.
-const EXCESS_S: f64 = 0.05;
+pub(super) const EXCESS_S: f64 = 0.05;
 /// And on average not longer than this, s.
 const LONGEST_EXCESS_S: f64 = 0.1;
 
@@ -112,6 +114,7 @@ impl TimeMap {
             cut_mm: 0.0,
             delays_s: Vector3::zeros(),
             delay_sigmas_s: Vector3::zeros(),
+            longer: Vector3::zeros(),
             middles_s: middles_s(&breaks, trajectory),
             chords: chords_s(&breaks, trajectory).into_iter().map(LegChords::that_last).collect(),
             override_excess: 0.0,
@@ -128,6 +131,11 @@ impl TimeMap {
         let excess = (1.0 + self.override_excess) * (1.0 + self.pace) - 1.0;
         let estimated = self.override_sigma > 0.0;
         estimated.then(|| [excess, self.override_sigma.hypot(self.pace_sigma)])
+    }
+
+    /// By how much longer than the one that they share the time constant of each slide is, s.
+    pub fn unlike_s(&self) -> Vector3<f64> {
+        self.following_s * self.longer
     }
 
     /// The leg that a program time lies in; at a break, the leg after it.
@@ -228,9 +236,9 @@ impl TimeMap {
         }
     }
 
-    /// Rate and offsets from the marks alone, whatever clock and feed are, with standstills as the program says.
-    pub(super) fn fit_marks_at_any_rate(&mut self, marks: &[Mark]) -> Result<()> {
-        self.excess_s = [0.0, UNEQUAL_DELAY_S];
+    /// Rate and offsets from the marks alone, whatever clock and feed are, with each standstill within this of the program's, s.
+    pub(super) fn fit_marks_at_any_rate(&mut self, marks: &[Mark], standing_s: f64) -> Result<()> {
+        self.excess_s = [0.0, standing_s];
         self.fit_standing(marks, 1.0, NO_PACE)
     }
 

@@ -21,14 +21,6 @@ pub fn averaged(period_s: f64) -> (usize, f64) {
     (count, count as f64 * period_s)
 }
 
-/// How far from its middle a curve of third degree has, with the middle, the mean of its readings, s: their variance in
-/// time times 3 / 2. `count` readings make a sample every `sample_period_s`.
-pub(super) fn node_s(count: usize, sample_period_s: f64) -> f64 {
-    let count = count.max(1) as f64;
-    let variance_s2 = (sample_period_s / count).powi(2) * (count * count - 1.0) / 12.0;
-    (1.5 * variance_s2).sqrt()
-}
-
 /// Means of so many neighbouring readings, none across a gap and none of less than half of that.
 pub(super) fn means(readings: &[Reading], count: usize, period_s: f64) -> Vec<Reading> {
     if count <= 1 {
@@ -55,20 +47,6 @@ fn mean(window: &[Reading]) -> Reading {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn three_points_have_the_mean_of_a_cubic() {
-        let curve = |t: f64| 3.0 - t + 2.0 * t * t + 0.5 * t * t * t;
-        for count in [1, 2, 5, 20] {
-            let (period_s, middle_s) = (0.7, 0.3);
-            let dt_s = period_s / count as f64;
-            let at = |k: usize| middle_s + (k as f64 - 0.5 * (count as f64 - 1.0)) * dt_s;
-            let mean = (0..count).map(|k| curve(at(k))).sum::<f64>() / count as f64;
-            let node_s = node_s(count, period_s);
-            let of_three = [-node_s, 0.0, node_s].map(|s| curve(middle_s + s));
-            assert!((of_three.iter().sum::<f64>() / 3.0 - mean).abs() < 1e-12, "{count}");
-        }
-    }
 
     fn log(times_s: impl Iterator<Item = f64>) -> Vec<Reading> {
         let reading = |(k, time_s)| Reading { time_s, deviation_mm: Some(time_s), line: k + 1 };

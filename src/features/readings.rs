@@ -88,6 +88,7 @@ fn way(scene: &Scene, path: &WayPath) -> Way {
         residual_mm: Vec::new(),
         seen: Vec::new(),
     };
+    let following = alignment.following(0.0);
     for ((number, angle_rad), read_mm) in
         path.records.iter().zip(&path.angle_rad).zip(&path.read_mm)
     {
@@ -98,7 +99,7 @@ fn way(scene: &Scene, path: &WayPath) -> Way {
             continue;
         }
         let at = |later_s: f64| {
-            let then = alignment.later(sample, later_s);
+            let then = alignment.later(&following, sample, later_s);
             scene.model.situation(&then.pose, &then.motion, run.mounting)
         };
         way.angle_rad.push(*angle_rad);

@@ -10,7 +10,7 @@ use sha2::{Digest, Sha256};
 
 use super::complete::explicit_terms;
 use super::exchanged;
-use super::fit::identify;
+
 use super::input::{Options, RunInput};
 use super::measured::{MeasuredRepeat, MeasuredRun};
 use super::place;
@@ -36,7 +36,7 @@ pub struct Campaign {
     /// Runs that take no part, with the reason.
     pub left_out: Vec<(String, Error)>,
     /// What was measured, also what was left out; campaigns of the same measurements share it.
-    measured: Arc<Vec<MeasuredRepeat>>,
+    pub(super) measured: Arc<Vec<MeasuredRepeat>>,
 }
 
 /// Logs that leave less than this share of the residual when they are exchanged were: another program, or the same in
@@ -152,9 +152,8 @@ impl Campaign {
 
     /// What the fits leave, mm rms over all repeats.
     fn rms_mm(&self) -> f64 {
-        let squares = |of: &Identification| of.rms_mm.powi(2) * of.used as f64;
         let used: usize = self.repeats.iter().map(|repeat| repeat.used).sum();
-        (self.repeats.iter().map(squares).sum::<f64>() / used.max(1) as f64).sqrt()
+        (self.leaves_mm2() / used.max(1) as f64).sqrt()
     }
 
     /// As [`of`](Self::of), of logs that are in no file: the runs of each repeat.
@@ -202,6 +201,11 @@ impl Campaign {
         let aligned = self.repeats.iter().map(Identification::again).collect();
         let (measured, left_out) = (Arc::clone(&self.measured), self.left_out.clone());
         Self::of_aligned(test, machine, measured, aligned, left_out, Failure::Refuse, &|| ())
+    }
+
+    /// What the fits leave, mm².
+    pub fn leaves_mm2(&self) -> f64 {
+        self.repeats.iter().map(|repeat| repeat.rms_mm.powi(2) * repeat.used as f64).sum()
     }
 
     fn of_repeats(
@@ -352,36 +356,5 @@ impl Campaign {
             terms.push(Box::new(held));
         }
         Ok(Model::new(machine, mountings, terms))
-    }
-
-    /// The same repeats identified with effects held beside the terms, one list a repeat.
-    ///
-    /// # Errors
-    /// When a repeat cannot be identified so.
-    pub fn with_held(
-        &self,
-        test: &Test,
-        machine: &Machine,
-        held: Vec<Vec<HeldEffect>>,
-    ) -> Result<Self> {
-        let options = Options::of(test);
-        let extended = Self {
-            terms: self.terms.clone(),
-            frame: self.frame.clone(),
-            repeats: Vec::new(),
-            held,
-            left_out: self.left_out.clone(),
-            measured: Arc::clone(&self.measured),
-        };
-        let repeats = self
-            .repeats
-            .par_iter()
-            .enumerate()
-            .map(|(index, repeat)| {
-                let model = extended.model(test, machine, index)?;
-                identify(&model, repeat.afresh(), &options)
-            })
-            .collect::<Result<Vec<_>>>()?;
-        Ok(Self { repeats, ..extended })
     }
 }

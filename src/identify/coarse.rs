@@ -51,7 +51,7 @@ impl Fit<'_> {
                     run.alignment.time_map.offsets_s[doubt.leg] -= shift_s;
                     run.place();
                     let better_mm = BETTER * kept.0.sigma_mm;
-                    match self.iterate(Detail::Full) {
+                    match self.iterate_below(Detail::Full, better_mm) {
                         Ok(outcome) if self.state.sigma_mm < better_mm => {
                             best = outcome;
                             break;
@@ -130,7 +130,7 @@ impl Fit<'_> {
     /// where more than this is left with the first.
     fn find_chords(&mut self, most_mm: f64) -> Result<Outcome> {
         self.find_facets(Look::First);
-        let mut outcome = self.iterate(Detail::Full)?;
+        let mut outcome = self.iterate_below(Detail::Full, most_mm)?;
         for _ in 0..MOST_LOOKS {
             if self.state.sigma_mm > most_mm || !self.find_facets(Look::Again) {
                 break;

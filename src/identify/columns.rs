@@ -17,6 +17,8 @@ pub(super) struct Columns {
     pub(super) legs: Vec<Vec<usize>>,
     /// For each run: how much each slide follows later than the mean, for one of each of the columns.
     pub(super) delays: Vec<Vec<Vector3<f64>>>,
+    /// For each run: by which share the time constant of each slide is longer, for one of each of the columns.
+    pub(super) longer: Vec<Vec<Vector3<f64>>>,
     /// Whether the control drives as planned, and nothing of how it does is estimated.
     pub(super) as_planned: bool,
     /// Whether slides may follow unlike, or all that their columns explain is left to others.
@@ -63,11 +65,13 @@ impl Columns {
     pub(super) fn new(model: &Model, runs: &[RunInput]) -> Self {
         let named = model.parameters().iter().filter_map(|parameter| parameter.id.delays());
         let named: Vec<Axis> = named.collect();
-        let contrasts = |run: &RunInput| without_named(&contrasts(run.alignment.moving), &named);
+        let all = |run: &RunInput| contrasts(run.alignment.moving);
+        let unnamed = |run: &RunInput| without_named(&all(run), &named);
         Self {
             coefficients: model.parameters().len(),
             legs: runs.iter().map(|run| run.alignment.legs()).collect(),
-            delays: runs.iter().map(contrasts).collect(),
+            delays: runs.iter().map(unnamed).collect(),
+            longer: runs.iter().map(all).collect(),
             as_planned: false,
             unlike: true,
             cuts: runs.iter().map(|run| run.alignment.chord_sag_mm > NO_SAG_MM).collect(),
@@ -76,7 +80,7 @@ impl Columns {
 
     /// How many columns a run has for itself; those of the coefficients come after them.
     pub(super) fn own(&self, run: usize) -> usize {
-        self.delays(run).end + usize::from(self.cuts[run])
+        self.longer(run).end + usize::from(self.cuts[run])
     }
 
     /// How many columns there are in all.
@@ -110,9 +114,15 @@ impl Columns {
         first..first + self.delays[run].len()
     }
 
+    /// Columns of the unequal time constants.
+    pub(super) fn longer(&self, run: usize) -> Range<usize> {
+        let first = self.delays(run).end;
+        first..first + self.longer[run].len()
+    }
+
     /// Column of what the control cuts off chords; `None` where the path has none.
     pub(super) fn cut(&self, run: usize) -> Option<usize> {
-        self.cuts[run].then(|| self.delays(run).end)
+        self.cuts[run].then(|| self.longer(run).end)
     }
 
     /// Takes the uncertainty of a time map from the covariance of the columns of its run.

@@ -53,7 +53,7 @@ pub(super) enum Look {
 /// found that were not known before.
 pub(super) fn find(model: &Model, values: &[f64], run: &mut RunInput, look: Look) -> bool {
     let mut found = false;
-    let stride = stride(Detail::Smooth, run.samples().len());
+    let stride = stride(run.samples().len());
     for leg in run.alignment.legs() {
         let map = &run.alignment.time_map;
         let (sigma_s, catch_s, chord_s) =
@@ -143,7 +143,7 @@ pub(super) struct Doubt {
 /// The coefficients have adapted to a wrong leg as well as they could, so a better place need not look
 /// better before they are fitted again: the caller tries each.
 pub(super) fn doubts(model: &Model, values: &[f64], run: &RunInput) -> Vec<Doubt> {
-    let stride = stride(Detail::Smooth, run.samples().len());
+    let stride = stride(run.samples().len());
     let misfit = |leg: usize, shift_s: f64| {
         let of_leg = run.samples().iter().step_by(stride);
         let of_leg = of_leg.filter(|s| s.leg == leg && matches!(s.part, Part::Arc(_)));

@@ -3,7 +3,7 @@
 use super::columns::Columns;
 use super::input::{Options, RunInput};
 use super::result::Identification;
-use super::state::{State, apart};
+use super::state::{State, Taking, apart};
 use super::{timing, words};
 use crate::align::Part;
 use crate::error::{Error, Kind, Result};
@@ -23,35 +23,62 @@ const LONGEST_S: f64 = 0.1;
 /// be told apart; when there are fewer samples than parameters; when the fit does not converge. A fit
 /// that converges and does not explain the log has [`Identification::cautions`].
 pub fn identify(model: &Model, runs: Vec<RunInput>, options: &Options) -> Result<Identification> {
+    let with = |runs: Vec<RunInput>, taking: Taking| {
+        let mut fit = Fit::of(model, runs, options);
+        fit.check_enough()?;
+        fit.state.taking = taking;
+        let mut steps = 0;
+        let outcome = fit.find(&mut steps)?;
+        fit.weighed(outcome, steps)
+    };
+    let knows = model.parameters().iter().any(|parameter| parameter.plausible.is_some());
+    if !knows || !stands_for_several(&runs) {
+        return with(runs, Taking::Each);
+    }
+    // Where some readings do not settle, all may.
+    with(runs.clone(), Taking::OneForSeveral).or_else(|_| with(runs, Taking::Each))
+}
+
+/// What a model leaves of runs, mm rms of a reading: sought with as few readings as tell it, and nothing else said.
+///
+/// # Errors
+/// As for [`identify`].
+pub(super) fn leaves_mm(model: &Model, runs: Vec<RunInput>, options: &Options) -> Result<f64> {
     let mut fit = Fit::of(model, runs, options);
     fit.check_enough()?;
-    let mut steps = 0;
-    let mut outcome = if fit.coarse_legs() {
-        fit.find_times(&mut steps)?
-    } else {
-        fit.iterate(timing::Detail::Full)?
-    };
-    if options.loss != Loss::Off {
-        for _ in 0..10 {
-            fit.reweigh();
-            outcome = fit.iterate(timing::Detail::Full)?;
-            steps += outcome.steps;
-            if outcome.steps <= 1 {
-                break;
-            }
-        }
-    }
-    if fit.state.knows() {
-        outcome = fit.weigh_against_plausible(outcome)?;
-    }
-    steps += outcome.steps;
-    fit.finish(&outcome, steps)
+    fit.state.taking = fit.state.seeks();
+    fit.find(&mut 0)?;
+    Ok(fit.state.sigma_mm)
+}
+
+/// Identifies runs from where an identification of them came to rest: with a model or readings that hardly differ from its own.
+///
+/// # Errors
+/// As for [`identify`].
+pub(super) fn identify_on(
+    model: &Model,
+    runs: Vec<RunInput>,
+    from: &Identification,
+    options: &Options,
+) -> Result<Identification> {
+    let mut fit = Fit::of(model, runs, options);
+    fit.state.values = from.values();
+    fit.state.sigma_mm = from.rms_mm.max(1e-3 * options.noise_mm);
+    fit.state.correlated = (from.counts_mm / fit.state.sigma_mm).max(1.0);
+    (fit.state.came_to_rest, fit.state.bent, fit.state.taking) = (true, true, fit.state.seeks());
+    let outcome = fit.iterate(timing::Detail::Full)?;
+    fit.weighed(outcome, 0)
 }
 
 /// What comes out beyond so many of its deviations is more than plausible: 1 in 370 of honest machines.
 pub const IMPLAUSIBLE: f64 = 3.0;
 /// And is then given so many times the room: the readings have shown that they know better.
 const WIDER: f64 = 10.0;
+
+/// Whether any reading of these runs stands for several while a fit is sought.
+fn stands_for_several(runs: &[RunInput]) -> bool {
+    runs.iter().any(|run| timing::standing_for(run.samples().len(), Taking::OneForSeveral).0 > 1)
+}
 
 /// The end of one round of Gauss-Newton.
 pub(super) struct Outcome {
@@ -79,6 +106,7 @@ impl<'a> Fit<'a> {
             settled: true,
             came_to_rest: false,
             bent: false,
+            taking: Taking::Each,
             at_once: vec![false; runs.len()],
             apart: apart(&runs, timing::Detail::Full.guard_s()),
             weights: None,
@@ -119,6 +147,30 @@ impl<'a> Fit<'a> {
         .hint("check that the log covers the program, or choose fewer terms"))
     }
 
+    /// Comes to rest from where the alignment laid the readings.
+    fn find(&mut self, steps: &mut usize) -> Result<Outcome> {
+        if self.coarse_legs() { self.find_times(steps) } else { self.iterate(timing::Detail::Full) }
+    }
+
+    /// The end of a fit whose times are found: far-off readings weighed down, what is plausible weighed against the readings.
+    fn weighed(mut self, mut outcome: Outcome, mut steps: usize) -> Result<Identification> {
+        if self.options.loss != Loss::Off {
+            for _ in 0..10 {
+                self.reweigh();
+                outcome = self.iterate(timing::Detail::Full)?;
+                steps += outcome.steps;
+                if outcome.steps <= 1 {
+                    break;
+                }
+            }
+        }
+        if self.state.knows() {
+            outcome = self.weigh_against_plausible(outcome)?;
+        }
+        steps += outcome.steps;
+        self.finish(&outcome, steps)
+    }
+
     /// Fits again with readings that count for as much as they do although neighbours err alike, and with what came
     /// out beyond what is plausible let go.
     fn weigh_against_plausible(&mut self, mut outcome: Outcome) -> Result<Outcome> {
@@ -132,6 +184,11 @@ impl<'a> Fit<'a> {
             if round == 0 {
                 self.let_go();
             }
+            outcome = self.iterate(timing::Detail::Full)?;
+            self.state.sigma_mm = self.state.sigma_mm.min(most_mm);
+        }
+        let sought = std::mem::replace(&mut self.state.taking, Taking::Each);
+        if sought == Taking::OneForSeveral && stands_for_several(&self.runs) {
             outcome = self.iterate(timing::Detail::Full)?;
             self.state.sigma_mm = self.state.sigma_mm.min(most_mm);
         }
@@ -211,6 +268,10 @@ impl<'a> Fit<'a> {
             for (column, contrast) in self.columns.delays(index).zip(&self.columns.delays[index]) {
                 let delays_s = map.delays_s + step[column] * contrast;
                 map.delays_s = delays_s.map(|s| s.clamp(-LONGEST_S, LONGEST_S));
+            }
+            for (column, contrast) in self.columns.longer(index).zip(&self.columns.longer[index]) {
+                let longer = map.longer + step[column] * contrast;
+                map.longer = longer.map(|share| share.clamp(-timing::FARTHEST, timing::FARTHEST));
             }
             if let Some(cut) = self.columns.cut(index) {
                 map.cut_mm += step[cut];

@@ -1,6 +1,6 @@
 //! What an identification is given: runs, and how to take them.
 
-use crate::align::{Alignment, Sample, TimeMap};
+use crate::align::{Alignment, Following, Sample, TimeMap};
 use crate::plan::Test;
 use crate::solve::Loss;
 
@@ -29,6 +29,9 @@ impl Options {
     }
 }
 
+/// Step of the difference that tells the effect of the time constant, s.
+pub(super) const FOLLOWING_STEP_S: f64 = 1e-3;
+
 /// One run that takes part.
 #[derive(Debug, Clone)]
 pub struct RunInput {
@@ -46,14 +49,17 @@ pub struct RunInput {
     number: usize,
     /// Its samples, where the time map of the alignment lays them.
     samples: Vec<Sample>,
+    /// How the slides follow there, and with a time constant that is longer by [`FOLLOWING_STEP_S`].
+    pub(super) following: [Following; 2],
 }
 
 impl RunInput {
     /// A run with its samples where its alignment lays them.
     pub fn new(name: String, mounting: usize, nominal_mm: f64, alignment: Alignment) -> Self {
         let samples = alignment.samples();
+        let following = [0.0, FOLLOWING_STEP_S].map(|longer_s| alignment.following(longer_s));
         let aligned = alignment.time_map.clone();
-        Self { name, mounting, nominal_mm, alignment, aligned, number: 0, samples }
+        Self { name, mounting, nominal_mm, alignment, aligned, number: 0, samples, following }
     }
 
     /// The same as that of this number of its repeat.
@@ -72,6 +78,7 @@ impl RunInput {
     /// Lays the samples anew, after the time map has changed.
     pub(super) fn place(&mut self) {
         self.samples = self.alignment.samples();
+        self.following = [0.0, FOLLOWING_STEP_S].map(|longer_s| self.alignment.following(longer_s));
         self.samples.iter_mut().for_each(|sample| sample.motion.run = self.number);
     }
 }

@@ -13,7 +13,7 @@ use super::follows::Follows;
 use super::input::Options;
 use super::record::{Apart, Record};
 use super::result::{Identification, IdentifiedRun};
-use super::state::State;
+use super::state::{State, Taking};
 use crate::align::{Alignment, Part, Sample};
 use crate::error::Result;
 use crate::model::{Model, Situation};
@@ -84,6 +84,7 @@ impl Identification {
             settled: true,
             came_to_rest: true,
             bent: self.left_open.is_some(),
+            taking: Taking::Each,
             at_once: vec![false; self.runs.len()],
             plausible: self.estimates.iter().map(|estimate| estimate.plausible).collect(),
             apart: self.runs.iter().map(kept).collect(),

@@ -34,6 +34,7 @@ mod linearised;
 mod lines;
 mod measured;
 mod observability;
+mod otherwise;
 mod place;
 mod prediction;
 mod preference;

@@ -273,6 +273,9 @@ fn own_unknowns(fit: &Fit, index: usize) -> Vec<Unknown> {
     for (k, contrast) in columns.delays[index].iter().enumerate() {
         push(format!("delay {}", k + 1), "s", map.delays_s.dot(contrast));
     }
+    for (k, contrast) in columns.longer[index].iter().enumerate() {
+        push(format!("time constant {}", k + 1), "1", map.longer.dot(contrast));
+    }
     if columns.cut(index).is_some() {
         push("cut".to_owned(), "mm", map.cut_mm);
     }

@@ -37,12 +37,10 @@ impl Fit<'_> {
         let blocks = self.fold_runs(&|index, rows| {
             let run = &self.runs[index];
             let mut row = vec![0.0; rows.columns()];
-            let stride = timing::stride(detail, run.samples().len());
-            for (k, sample) in run.samples().iter().enumerate().step_by(stride) {
-                if self.state.apart[index][k].is_some() {
-                    continue;
-                }
-                let weight = self.weight(index, k);
+            let (each, taken) = timing::standing_for(run.samples().len(), self.state.taking);
+            for k in taken.filter(|k| self.state.apart[index][*k].is_none()) {
+                let sample = &run.samples()[k];
+                let weight = each as f64 * self.weight(index, k);
                 let view = timing::view(self.model, &self.state.values, run, sample, detail);
                 self.fill_row(&mut row, index, sample, &view);
                 let residual_mm = self.residual_mm(index, &view);
@@ -57,6 +55,15 @@ impl Fit<'_> {
         })?;
         let own = (0..).map(|index| self.columns.own(index));
         Bordered::new(own.zip(blocks).collect(), self.plausible()?)
+    }
+
+    /// For how many readings and other rows those of [`Self::factor`] stand.
+    pub(super) fn counted(&self, rows: &Bordered) -> f64 {
+        let more = |(index, run): (usize, &RunInput)| {
+            let (each, taken) = timing::standing_for(run.samples().len(), self.state.taking);
+            (each - 1) * taken.filter(|k| self.state.apart[index][*k].is_none()).count()
+        };
+        (rows.rows() + self.runs.iter().enumerate().map(more).sum::<usize>()) as f64
     }
 
     /// The triangle of each run, folded side by side: its own columns, then the coefficients.
@@ -97,6 +104,9 @@ impl Fit<'_> {
         own[self.columns.following(index)] = view.following_mm_s;
         for (column, contrast) in self.columns.delays(index).zip(&self.columns.delays[index]) {
             own[column] = if self.columns.unlike { view.delayed_mm_s.dot(contrast) } else { 0.0 };
+        }
+        for (column, contrast) in self.columns.longer(index).zip(&self.columns.longer[index]) {
+            own[column] = view.longer_mm.dot(contrast);
         }
         if let Some(column) = self.columns.cut(index) {
             own[column] = 1.0;
@@ -183,6 +193,9 @@ impl Fit<'_> {
         let mut driven = vec![(self.columns.following(index), map.following_s, following_s)];
         for (column, contrast) in self.columns.delays(index).zip(&self.columns.delays[index]) {
             driven.push((column, map.delays_s.dot(contrast), timing::FOLLOWING_S));
+        }
+        for (column, contrast) in self.columns.longer(index).zip(&self.columns.longer[index]) {
+            driven.push((column, map.longer.dot(contrast), timing::LONGER));
         }
         if let Some(column) = self.columns.cut(index) {
             driven.push((column, map.cut_mm, timing::CUT * alignment.chord_sag_mm));

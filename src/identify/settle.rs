@@ -27,6 +27,10 @@ const NO_WAY_DOWN: i32 = 6;
 const LATELY: usize = 5;
 /// After so many steps only down: a time that goes to and fro over a vertex of the path would do so for ever.
 const DOWNHILL_AFTER: usize = MOST_STEPS / 2;
+/// And after so many where the fit has come to rest before and only counts its readings otherwise: it is in the right valley.
+const DOWNHILL_AGAIN_AFTER: usize = LATELY;
+/// A place that is tried is given up where the linear problem leaves this much more there than it should.
+const HOPELESS: f64 = 1.05;
 /// And then a fit is at rest whose sum of squares the last steps together lowered by less than this, in units of the noise:
 /// what the noise moves a single parameter by.
 const HARDLY: f64 = 1.0;
@@ -59,6 +63,19 @@ struct Stand {
 impl Fit<'_> {
     /// Gauss-Newton until the change is negligible.
     pub(super) fn iterate(&mut self, detail: timing::Detail) -> Result<Outcome> {
+        self.iterate_below(detail, f64::INFINITY)
+    }
+
+    /// The same where more than this left, mm rms, is of no use.
+    ///
+    /// # Errors
+    /// Where it does not settle, or comes to leave more.
+    pub(super) fn iterate_below(
+        &mut self,
+        detail: timing::Detail,
+        most_mm: f64,
+    ) -> Result<Outcome> {
+        let downhill_after = if self.state.bent { DOWNHILL_AGAIN_AFTER } else { DOWNHILL_AFTER };
         let mut kept: Option<Stand> = None;
         let mut halvings = 0;
         let mut before: Option<Unknowns> = None;
@@ -75,9 +92,9 @@ impl Fit<'_> {
             if choosing {
                 let came_to_rest = wary && steps > FINDING_STEPS && moved_s < MOVES_S;
                 self.state.came_to_rest |= came_to_rest;
-                wary = wary && !came_to_rest && steps < DOWNHILL_AFTER;
+                wary = wary && !came_to_rest && steps < downhill_after;
                 // Times that hardly anything tells go to and fro for ever: what is kept from reversals is then so much that they may.
-                let restless = steps > DOWNHILL_AFTER;
+                let restless = steps > downhill_after;
                 let guard_s =
                     if wary || restless { WARY_S.max(detail.guard_s()) } else { detail.guard_s() };
                 held_s = if restless { guard_s } else { detail.guard_s() };
@@ -96,7 +113,7 @@ impl Fit<'_> {
             // What the last step lowered the sum of squares by.
             let gained = kept.as_ref().map(|stand| stand.misfit.powi(2) - misfit.powi(2));
             let negligible = (NEGLIGIBLE * self.state.correlated).powi(2);
-            let remembered = if steps > DOWNHILL_AFTER { 1 } else { LATELY };
+            let remembered = if steps > downhill_after { 1 } else { LATELY };
             let lately = misfits.iter().rev().take(remembered).copied().fold(0.0, f64::max);
             let worse = misfit.powi(2) > lately.powi(2) + negligible;
             if let Some(stand) = kept.take_if(|_| worse) {
@@ -125,11 +142,14 @@ impl Fit<'_> {
             }
             let step = solution.unknowns().clone();
             let change = rows.change(&step);
-            let count = rows.rows() as f64;
+            let count = self.counted(&rows);
             // Rows are in units of the assumed noise: their rms corrects it.
             let scatter = self.state.correlated * solution.shared().residual_norm() / count.sqrt();
+            if steps > FINDING_STEPS && self.state.sigma_mm * scatter > HOPELESS * most_mm {
+                return Err(Error::new(Kind::Undetermined, "more is left than elsewhere"));
+            }
             let before_lately = misfits.len().checked_sub(LATELY).map(|k| misfits[k].powi(2));
-            let rests = steps > DOWNHILL_AFTER
+            let rests = steps > downhill_after
                 && before_lately.is_some_and(|square| square - misfit.powi(2) < HARDLY);
             let gains_nothing =
                 rests || gained.is_some_and(|g| g.abs() < negligible) && halvings == 0;
@@ -163,13 +183,7 @@ impl Fit<'_> {
                 kept = Some(stand);
             }
         }
-        Err(Error::new(
-            Kind::Undetermined,
-            format!("the fit does not settle within {MOST_STEPS} steps"),
-        )
-        .hint(
-            "the log may be of another program, the feed override may not have stood where the test file says, or there are too many terms for these arcs",
-        ))
+        Err(unsettled())
     }
 
     /// Holds the slides of runs that would follow ahead of time, if they do not follow late already; whether any were
@@ -246,6 +260,13 @@ impl Fit<'_> {
         self.state.settled = true;
         Outcome { solution: stand.solution, steps }
     }
+}
+
+/// The error of a fit that goes to and fro.
+fn unsettled() -> Error {
+    Error::new(Kind::Undetermined, format!("the fit does not settle within {MOST_STEPS} steps")).hint(
+        "the log may be of another program, the feed override may not have stood where the test file says, or there are too many terms for these arcs",
+    )
 }
 
 /// Whether a step takes back more than half of the one before, by what both change of the computed readings.

@@ -5,9 +5,9 @@
 //! large as it is seen at its moment, *and* explains more than a ball that was knocked then: that steps by another amount in
 //! every other direction of the bar.
 
-use super::fit::identify;
+use super::fit::{identify, identify_on};
 use super::input::{Options, RunInput};
-use super::linearised::LinearSample;
+use super::linearised::{LinearSample, Linearised};
 use super::record::Record;
 use super::result::Identification;
 use crate::align::Slip;
@@ -26,9 +26,9 @@ const SIGMAS: f64 = 4.0;
 const RIDGE: f64 = 1e-6;
 /// So many readings either side of a step show what a fit leaves of it.
 const NEXT_TO_IT: usize = 12;
-/// The size is found as the lowest point of a parabola, which is drawn again about that, closer, until it hardly moves.
+/// The size is sought so often, at most: a wrong size of some micrometres moves the times.
 const ROUNDS: usize = 4;
-/// So much closer.
+/// Until it moves by less than this part of what the lines show it to.
 const CLOSER: f64 = 0.25;
 
 /// Identifies the parameters of a model from runs, slips of the bar taken out.
@@ -63,21 +63,17 @@ pub(super) fn identify_beside_slips(
             runs[index] = RunInput::new(name, mounting, nominal_mm, alignment);
             runs
         };
-        let left_mm2 = |step_mm: f64| {
-            let fitted = identify(model, without(step_mm), options).ok()?;
-            Some(squares(&fitted))
-        };
+        let Ok(as_seen) = identify(model, without(slip.step_mm), options) else { continue };
         // Taken out as it is seen, a slip already leaves less.
-        let plain_mm2 = best.as_ref().map_or(f64::INFINITY, squares);
-        if left_mm2(slip.step_mm).is_none_or(|seen_mm2| seen_mm2 > plain_mm2) {
+        if best.as_ref().is_ok_and(|plain| squares(&as_seen) > squares(plain)) {
             continue;
         }
-        let Some(step_mm) = sized(&slip, left_mm2) else { continue };
-        let as_seen = SIGMAS.mul_add(slip.sigma_mm, IN_A_GAP * slip.step_mm.abs());
-        if (step_mm - slip.step_mm).abs() > as_seen {
+        let sized = sized(model, as_seen, index, &slip, &without, options)?;
+        let Some((step_mm, fitted)) = sized else { continue };
+        let farthest_mm = SIGMAS.mul_add(slip.sigma_mm, IN_A_GAP * slip.step_mm.abs());
+        if (step_mm - slip.step_mm).abs() > farthest_mm {
             continue;
         }
-        let Ok(fitted) = identify(model, without(step_mm), options) else { continue };
         let better = best.as_ref().map_or(true, |plain| {
             squares(plain) - squares(&fitted) > BEYOND_CHANCE * fitted.noise.long_run_variance()
         });
@@ -110,14 +106,9 @@ fn is_of_a_ball(
 ) -> Result<bool> {
     let step_mm = slip.step_mm;
     let linear = fit.linearised(model, options)?;
-    let left_mm: Vec<f64> = linear.samples.iter().map(|of| of.left_mm * of.root_weight).collect();
+    let left_mm = left_mm(&linear);
     let columns: [Vec<f64>; 4] = [None, Some(0), Some(1), Some(2)].map(|along: Option<usize>| {
-        let of_sample = |of: &LinearSample| {
-            let after = of.run == index && of.record.sample.log_s >= slip.log_s;
-            let by = along.map_or(1.0, |axis| of.situation.direction[axis]);
-            if after { by * of.root_weight } else { 0.0 }
-        };
-        linear.samples.iter().map(of_sample).collect()
+        stepped(&linear, index, slip, &|of| along.map_or(1.0, |axis| of.situation.direction[axis]))
     });
     let outside = columns.each_ref().map(|column| linear.basis.outside(column));
     let [slipped, ball @ ..] = &columns;
@@ -145,29 +136,55 @@ fn explains(fit: &Identification, index: usize, slip: &Slip) -> bool {
     (after_mm - before_mm).abs() < 0.5 * slip.step_mm.abs()
 }
 
-/// The size of a step that leaves least, mm; `left_mm2` is what one leaves.
-///
-/// That is a parabola where the times stay what they are. A wrong size of some micrometres moves them, so the parabola is
-/// drawn close to the size that was seen, and again.
-fn sized(slip: &Slip, left_mm2: impl Fn(f64) -> Option<f64>) -> Option<f64> {
-    let (mut step_mm, mut aside_mm) = (slip.step_mm, SIGMAS * slip.sigma_mm);
-    let farthest_mm = IN_A_GAP * slip.step_mm.abs() + aside_mm;
+/// What a linearised fit leaves, mm, times the root of the weight.
+fn left_mm(linear: &Linearised) -> Vec<f64> {
+    linear.samples.iter().map(|of| of.left_mm * of.root_weight).collect()
+}
+
+/// A column that is so much from the moment of a slip on.
+fn stepped(
+    linear: &Linearised,
+    index: usize,
+    slip: &Slip,
+    by: &dyn Fn(&LinearSample) -> f64,
+) -> Vec<f64> {
+    let of_sample = |of: &LinearSample| {
+        let after = of.run == index && of.record.sample.log_s >= slip.log_s;
+        if after { by(of) * of.root_weight } else { 0.0 }
+    };
+    linear.samples.iter().map(of_sample).collect()
+}
+
+/// The size of a step that leaves least, mm, and the fit with it taken out: from that with the step as it was seen, the least
+/// of the linear problem, and of that again. `None` where none is reached.
+fn sized(
+    model: &Model,
+    as_seen: Identification,
+    index: usize,
+    slip: &Slip,
+    without: &dyn Fn(f64) -> Vec<RunInput>,
+    options: &Options,
+) -> Result<Option<(f64, Identification)>> {
+    let (mut step_mm, mut fitted) = (slip.step_mm, as_seen);
     for _ in 0..ROUNDS {
-        let tried_mm = [step_mm - aside_mm, step_mm, step_mm + aside_mm];
-        let [less, here, more] = tried_mm.map(&left_mm2);
-        let (less, here, more) = (less?, here?, more?);
-        let bend = less - 2.0 * here + more;
-        let move_mm = 0.5 * aside_mm * (less - more) / bend;
-        if bend <= 0.0 || !move_mm.is_finite() {
-            return None;
+        let linear = fitted.linearised(model, options)?;
+        let column = stepped(&linear, index, slip, &|_| 1.0);
+        let own = dot(&column, &linear.basis.outside(&column));
+        let more_mm = dot(&column, &left_mm(&linear)) / own;
+        if !more_mm.is_finite() {
+            return Ok(None);
         }
-        step_mm += move_mm.clamp(-farthest_mm, farthest_mm);
-        if move_mm.abs() < CLOSER * aside_mm {
+        step_mm += more_mm;
+        let mut runs = without(step_mm);
+        for (run, fitted) in runs.iter_mut().zip(&fitted.runs) {
+            run.alignment.time_map = fitted.alignment.time_map.clone();
+            run.place();
+        }
+        let Ok(again) = identify_on(model, runs, &fitted, options) else { return Ok(None) };
+        fitted = again;
+        if more_mm.abs() < CLOSER * slip.sigma_mm {
             break;
         }
-        if move_mm.abs() < aside_mm {
-            aside_mm *= CLOSER;
-        }
     }
-    Some(step_mm)
+    Ok(Some((step_mm, fitted)))
 }

@@ -23,10 +23,21 @@ pub(super) struct State {
     pub(super) bent: bool,
     /// For each run whether its slides are taken to follow without a lag, because they cannot do so ahead of time.
     pub(super) at_once: Vec<bool>,
+    /// Which readings take part.
+    pub(super) taking: Taking,
     /// Why each sample of each run takes no part; `None` where it does.
     pub(super) apart: Vec<Vec<Option<Apart>>>,
     /// Robust weights, one for each sample of each run; `None` for all 1.
     pub(super) weights: Option<Vec<Vec<f64>>>,
+}
+
+/// Which readings take part in a fit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Taking {
+    /// All.
+    Each,
+    /// One stands for several, while the fit is sought.
+    OneForSeveral,
 }
 
 impl State {
@@ -40,6 +51,11 @@ impl State {
         for (apart, others) in self.apart.iter_mut().flatten().zip(others.iter().flatten()) {
             *apart = apart.or(*others);
         }
+    }
+
+    /// The fit is sought with one reading for several where more than the readings is known of it; elsewhere all decide.
+    pub(super) fn seeks(&self) -> Taking {
+        if self.knows() { Taking::OneForSeveral } else { Taking::Each }
     }
 
     /// Whether anything is known of the parameters but by readings.

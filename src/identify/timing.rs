@@ -2,8 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::input::RunInput;
-use crate::align::Sample;
+use super::input::{FOLLOWING_STEP_S, RunInput};
+use super::state::Taking;
+use crate::align::{Following, Sample};
 use crate::machine::Pose;
 use crate::model::Model;
 
@@ -34,13 +35,27 @@ impl Detail {
 
 /// So many samples of a run bring its offsets within reach of the facets; more only take longer.
 const ENOUGH: usize = 20_000;
+/// And so many bring all that is fitted to within its noise, of which a run has some hundred numbers at the most.
+const ENOUGH_TO_FIT: usize = 5_000;
 
-/// Every how many samples one is looked at.
-pub(super) fn stride(detail: Detail, samples: usize) -> usize {
-    match detail {
-        Detail::Full => 1,
-        Detail::Smooth => samples.div_ceil(ENOUGH).max(1),
-    }
+/// Every how many samples of a run one is looked at.
+pub(super) fn stride(samples: usize) -> usize {
+    samples.div_ceil(ENOUGH).max(1)
+}
+
+/// Samples of a run, by index, each of which stands for so many while a fit is sought: one of every so many, another one of
+/// each. At even distances they might all lie at the same place of their chords.
+pub(super) fn standing_for(samples: usize, taking: Taking) -> (usize, impl Iterator<Item = usize>) {
+    let each = match taking {
+        Taking::Each => 1,
+        Taking::OneForSeveral => samples.div_ceil(ENOUGH_TO_FIT).max(1),
+    };
+    let taken = (0..samples.div_ceil(each)).map(move |k| {
+        // The golden section fills an interval most evenly.
+        let share = (k as f64 * 0.618_033_988_749_895).fract();
+        k * each + (share * each as f64) as usize
+    });
+    (each, taken.filter(move |k| *k < samples))
 }
 
 /// A sample as the fit sees it.
@@ -53,10 +68,17 @@ pub(super) struct View {
     pub(super) following_mm_s: f64,
     /// Change of the predicted deviation with the delay of each slide, mm/s.
     pub(super) delayed_mm_s: Vector3<f64>,
+    /// Change of the predicted deviation with the share by which the time constant of each slide is longer, its delay not counted,
+    /// mm.
+    pub(super) longer_mm: Vector3<f64>,
 }
 
 /// Within which time constant the slides plausibly follow, s.
 pub(super) const FOLLOWING_S: f64 = 0.02;
+/// And by which share that of one slide is longer than that of another: loops of one machine are tuned alike to a tenth.
+pub(super) const LONGER: f64 = 0.1;
+/// More than by this share none is, five of its deviations: no step makes a time constant negative.
+pub(super) const FARTHEST: f64 = 0.5;
 /// So far a step moves that time constant at the most, s.
 pub(super) const STRIDE_S: f64 = 0.005;
 /// What a control cuts off the corners of chords, or rounds them out by, is a part of how far chords are off their arc:
@@ -66,8 +88,6 @@ pub(super) const CUT: f64 = 1.0 / 3.0;
 pub(super) const AT_ONCE_S: f64 = 1e-7;
 /// Half of the time over which the slope of single readings is taken, s.
 const STEP_S: f64 = 2e-3;
-/// Half of the change of the time constant over which its effect is taken, s.
-const FOLLOWING_STEP_S: f64 = 1e-3;
 
 /// Residual and speed of a sample.
 ///
@@ -82,7 +102,7 @@ pub(super) fn view(
     let coincidence_mm = run.alignment.coincidence_mm();
     let map = &run.alignment.time_map;
     let velocity_mm_s = &sample.motion.velocity_mm_s;
-    let late_mm = map.delays_s.component_mul(velocity_mm_s);
+    let late_mm = (map.delays_s - map.unlike_s()).component_mul(velocity_mm_s);
     // What the errors make of the length between the balls.
     let errs_mm = |pose: &Pose| {
         let length_mm = model.length_mm(values, pose, &sample.motion, run.mounting);
@@ -90,8 +110,10 @@ pub(super) fn view(
     };
     let length_mm = |position_mm: &Vector3<f64>| (position_mm - coincidence_mm).norm();
     // What a slide is late by is no facet.
-    let late_only_mm =
-        |position_mm: &Vector3<f64>| length_mm(position_mm) - length_mm(&(position_mm + late_mm));
+    let all_late_mm = map.delays_s.component_mul(velocity_mm_s);
+    let late_only_mm = |position_mm: &Vector3<f64>| {
+        length_mm(position_mm) - length_mm(&(position_mm + all_late_mm))
+    };
     let (facets_count, mean_s) = match detail {
         Detail::Full => (map.chords[sample.leg].blur_s <= 0.0, map.chords[sample.leg].blur_s),
         Detail::Smooth => (false, SMOOTH_S),
@@ -107,8 +129,8 @@ pub(super) fn view(
     // Where facets do not count, long enough to see over them; where they do, short against one, but not
     // so short that a vertex between this step's time and the next turns the slope at once.
     // The slope of a mean over a window is that from one end of it to the other.
-    let node_s = run.alignment.node_s();
-    let window_s = if node_s > 0.0 { run.alignment.sample_period_s } else { 0.0 };
+    let averaged = run.alignment.averaged > 1;
+    let window_s = if averaged { run.alignment.sample_period_s } else { 0.0 };
     let step_s = match detail {
         Detail::Full if window_s > 0.0 => 0.5 * window_s,
         Detail::Full => STEP_S,
@@ -116,8 +138,8 @@ pub(super) fn view(
     };
     let [before_s, after_s] = [-1.0, 1.0].map(|sign| sample.program_s + sign * step_s);
     let beside = |then_s: f64| {
-        let position_mm =
-            run.alignment.followed_mm(then_s, sample.block, map.following_s) - late_mm;
+        let [path_mm, _] = run.following[0].at(&run.alignment.trajectory, then_s, sample.block);
+        let position_mm = path_mm - late_mm;
         Pose { position_mm, sense: sample.pose.sense }
     };
     let (before, after) = (beside(before_s), beside(after_s));
@@ -132,22 +154,27 @@ pub(super) fn view(
         - commanded_mm(before_s, &before.position_mm);
     let ball_mm = sample.pose.position_mm - coincidence_mm;
     let along = ball_mm.try_normalize(f64::EPSILON).unwrap_or_else(Vector3::zeros);
-    let followed = |aside_s: f64, following_s: f64| {
-        along.dot(&run.alignment.followed_mm(sample.program_s + aside_s, sample.block, following_s))
+    // Where slides are, and what more of the time constant of each does, along the bar.
+    let times = run.alignment.times(sample.program_s);
+    let followed = |following: &Following| {
+        let trajectory = &run.alignment.trajectory;
+        let [position_mm, slope_mm_s] = if averaged {
+            following.mean(trajectory, &times, sample.block)
+        } else {
+            following.at(trajectory, sample.program_s, sample.block)
+        };
+        (along.dot(&position_mm), along.component_mul(&slope_mm_s))
     };
-    let following = |following_s: f64| match node_s {
-        0.0 => followed(0.0, following_s),
-        node_s => {
-            [-node_s, 0.0, node_s].map(|s| followed(s, following_s)).iter().sum::<f64>() / 3.0
-        }
-    };
+    let delayed_mm_s = -along.component_mul(velocity_mm_s);
     // The sphere alone knows nothing of corners, and of radii little.
-    let following_mm_s = if facets_count {
-        let low_s = (map.following_s - FOLLOWING_STEP_S).max(0.0);
-        let high_s = map.following_s + FOLLOWING_STEP_S;
-        (following(high_s) - following(low_s)) / (high_s - low_s)
+    let (following_mm_s, longer_mm) = if facets_count {
+        let [here, longer] = run.following.each_ref().map(followed);
+        // What slides are late by is told by their delays.
+        let grows_mm_s = (longer.0 - here.0) / FOLLOWING_STEP_S - delayed_mm_s.dot(&map.longer);
+        let apart_s = if run.following[0].at_once() { 0.0 } else { map.following_s };
+        (grows_mm_s, apart_s * (here.1 - delayed_mm_s))
     } else {
-        0.0
+        (0.0, Vector3::zeros())
     };
     // Where its mean counts, the sample is laid on it already.
     let commanded_mm = match detail {
@@ -157,7 +184,8 @@ pub(super) fn view(
     View {
         residual_mm: sample.deviation_mm - (here_mm + commanded_mm - run.nominal_mm) - map.cut_mm,
         following_mm_s,
-        delayed_mm_s: -along.component_mul(velocity_mm_s),
+        delayed_mm_s,
+        longer_mm,
         speed_mm_s: grows_mm / (2.0 * step_s),
     }
 }

@@ -103,7 +103,10 @@ pub struct LocalTerm {
     frame: Arc<LocalFrame>,
     /// What is plausible for each of its shapes, mm and rad; 0 where a slide that stands still has none.
     plausible: [[f64; 4]; 6],
-    count: usize,
+    /// Component and shape of each parameter; what cannot move has no slope.
+    parts: Vec<(Component, LocalShape)>,
+    /// Whether all can move: then the shapes of each component stand side by side.
+    all: bool,
 }
 
 impl LocalTerm {
@@ -114,34 +117,32 @@ impl LocalTerm {
             LocalShape::ALL
                 .map(|shape| Local { slide, component, shape }.plausible(plausible, reach_mm))
         });
-        let count = plausible.iter().flatten().filter(|sigma| **sigma > 0.0).count();
-        Self { slide, frame: Arc::clone(frame), plausible, count }
-    }
-
-    /// Component and shape of each parameter; what cannot move has no slope.
-    fn parts(&self) -> impl Iterator<Item = (Component, LocalShape)> {
-        let of = |component: Component| {
-            let plausible = self.plausible[component as usize];
-            let some = move |shape: &LocalShape| plausible[*shape as usize] > 0.0;
-            LocalShape::ALL.into_iter().filter(some).map(move |shape| (component, shape))
+        let each = Component::ALL
+            .into_iter()
+            .flat_map(|component| LocalShape::ALL.into_iter().map(move |shape| (component, shape)));
+        let moves = |(component, shape): &(Component, LocalShape)| {
+            plausible[*component as usize][*shape as usize] > 0.0
         };
-        Component::ALL.into_iter().flat_map(of)
+        let count = each.clone().count();
+        let parts: Vec<_> = each.filter(moves).collect();
+        let all = parts.len() == count;
+        Self { slide, frame: Arc::clone(frame), plausible, parts, all }
     }
 }
 
 impl Term for LocalTerm {
     fn parameters(&self) -> Vec<Parameter> {
-        let parameter = |(component, shape): (Component, LocalShape)| {
+        let parameter = |&(component, shape): &(Component, LocalShape)| {
             let of = Local { slide: self.slide, component, shape };
             let unit = if component.is_angular() { "rad" } else { "mm" };
             let plausible = Some(self.plausible[component as usize][shape as usize]);
             Parameter { id: ParameterId::Local(of), name: of.to_string(), unit, plausible }
         };
-        self.parts().map(parameter).collect()
+        self.parts.iter().map(parameter).collect()
     }
 
     fn parameter_count(&self) -> usize {
-        self.count
+        self.parts.len()
     }
 
     fn columns(&self, at: &Situation, out: &mut [f64]) {
@@ -150,7 +151,7 @@ impl Term for LocalTerm {
         // What is displaced besides where the other slides stand at the middle; of a machine that is bent, too.
         let turned = rotation_mm - self.frame.alone_mm(self.slide, &at.pose).cross(&along);
         let basis = self.frame.basis(self.slide, &at.pose);
-        for (column, (component, shape)) in out.iter_mut().zip(self.parts()) {
+        for (column, &(component, shape)) in out.iter_mut().zip(&self.parts) {
             let one = if component.is_angular() { &turned } else { &along };
             *column = one[component.direction()] * basis[shape as usize];
         }
@@ -166,9 +167,18 @@ impl Term for LocalTerm {
     ) {
         let basis = self.frame.basis(self.slide, at);
         let (mut moved_mm, mut turned_rad) = (Vector3::zeros(), Vector3::zeros());
-        for (value, (component, shape)) in values.iter().zip(self.parts()) {
+        let mut add = |component: Component, by: f64| {
             let of = if component.is_angular() { &mut turned_rad } else { &mut moved_mm };
-            of[component.direction()] += value * basis[shape as usize];
+            of[component.direction()] += by;
+        };
+        if let (Ok(values), true) = (<&[[f64; 4]; 6]>::try_from(values.as_chunks().0), self.all) {
+            for (component, of) in Component::ALL.into_iter().zip(values) {
+                add(component, of.iter().zip(&basis).map(|(value, of)| value * of).sum());
+            }
+        } else {
+            for (value, &(component, shape)) in values.iter().zip(&self.parts) {
+                add(component, value * basis[shape as usize]);
+            }
         }
         // Where the other slides stand at the middle a rotation displaces nothing.
         moved_mm -= turned_rad.cross(&self.frame.alone_mm(self.slide, at));

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::profile::Profile;
+use super::profile::{Phase, Profile};
 use crate::nc::Move;
 
 /// What a block of the trajectory is.
@@ -67,6 +67,11 @@ impl Block {
     /// Whether the machine stands still at its end.
     pub fn ends_at_rest(&self) -> bool {
         self.ends_at_rest
+    }
+
+    /// One of the phases of its profile, with when it begins, s from the start of the block, and how far along it, mm.
+    pub(super) fn phase(&self, number: usize) -> Option<(f64, f64, Phase)> {
+        self.motion.as_ref()?.1.phase(number)
     }
 
     pub(super) fn position_mm(&self, time_s: f64) -> Vector3<f64> {

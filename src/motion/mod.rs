@@ -7,7 +7,9 @@
 //! that checks the position, and G61 and G09 stop at the end of a block. With `acceleration_change_ms`
 //! the acceleration builds up in that time (bell-shaped acceleration) instead of at once.
 //!
-//! **Not modelled:** servo lag, the in-position check at a stop, a look-ahead that is too short.
+//! Slides may follow with a first-order lag ([`Followed`]).
+//!
+//! **Not modelled:** the in-position check at a stop, a look-ahead that is too short.
 //!
 //! Where a control has [recorded](crate::log::Recording) its motion, that stands in place of the estimate
 //! ([`Trajectory::recorded`]).
@@ -19,14 +21,18 @@ mod bell;
 mod block;
 mod builder;
 mod driven;
+mod followed;
 mod limits;
 mod matched;
 mod profile;
 mod reversals;
 mod slides;
+mod times;
 mod trajectory;
 
 pub use block::{Block, BlockKind, State};
+pub use followed::Followed;
 pub use profile::Profile;
 pub use reversals::Reversals;
+pub use times::Times;
 pub use trajectory::{Duration, Trajectory};

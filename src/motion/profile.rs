@@ -99,26 +99,61 @@ impl Profile {
     pub(super) fn phases(&self) -> Vec<Phase> {
         match &self.0 {
             Shape::Filtered(phases) => phases.to_vec(),
-            Shape::Trapezoid {
-                start_mm_s,
-                cruise_mm_s,
-                acceleration_mm_s2,
-                accelerate_s,
-                cruise_s,
-                decelerate_s,
-            } => [
-                (*accelerate_s, *start_mm_s, *acceleration_mm_s2),
-                (*cruise_s, *cruise_mm_s, 0.0),
-                (*decelerate_s, *cruise_mm_s, -acceleration_mm_s2),
-            ]
-            .map(|(duration_s, speed_mm_s, acceleration_mm_s2)| Phase {
-                duration_s,
-                speed_mm_s,
-                acceleration_mm_s2,
-                jerk_mm_s3: 0.0,
-            })
-            .to_vec(),
+            Shape::Trapezoid { .. } => self.trapezoid().into_iter().flatten().collect(),
         }
+    }
+
+    /// The three of a trapezoid.
+    fn trapezoid(&self) -> Option<[Phase; 3]> {
+        let Shape::Trapezoid {
+            start_mm_s,
+            cruise_mm_s,
+            acceleration_mm_s2,
+            accelerate_s,
+            cruise_s,
+            decelerate_s,
+        } = self.0
+        else {
+            return None;
+        };
+        let phases = [
+            (accelerate_s, start_mm_s, acceleration_mm_s2),
+            (cruise_s, cruise_mm_s, 0.0),
+            (decelerate_s, cruise_mm_s, -acceleration_mm_s2),
+        ];
+        Some(phases.map(|(duration_s, speed_mm_s, acceleration_mm_s2)| Phase {
+            duration_s,
+            speed_mm_s,
+            acceleration_mm_s2,
+            jerk_mm_s3: 0.0,
+        }))
+    }
+
+    /// How many stretches of constant jerk it is made of.
+    pub(super) fn phase_count(&self) -> usize {
+        match &self.0 {
+            Shape::Filtered(phases) => phases.len(),
+            Shape::Trapezoid { .. } => 3,
+        }
+    }
+
+    /// One of them, with when it begins (s) and how far along the block (mm).
+    pub(super) fn phase(&self, number: usize) -> Option<(f64, f64, Phase)> {
+        let three;
+        let phases: &[Phase] = match &self.0 {
+            Shape::Filtered(phases) => phases,
+            Shape::Trapezoid { .. } => {
+                three = self.trapezoid()?;
+                &three
+            }
+        };
+        let (mut into_s, mut into_mm) = (0.0, 0.0);
+        for phase in phases.get(..number)? {
+            into_s += phase.duration_s;
+            into_mm += phase.at(phase.duration_s).0;
+        }
+        let phase = *phases.get(number)?;
+        Some((into_s, into_mm, phase))
     }
 
     /// How long the block takes, s.

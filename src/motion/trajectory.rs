@@ -9,6 +9,7 @@ use super::builder::Builder;
 use super::driven::Driven;
 use super::matched::{Matched, matched};
 use super::slides::Slides;
+use super::times::Times;
 use crate::error::Result;
 use crate::log::Recording;
 use crate::machine::Machine;
@@ -168,6 +169,12 @@ impl Trajectory {
         if let Some(driven) = &self.driven {
             return driven.position_mm(time_s);
         }
+        let index = self.block_near(time_s, near);
+        self.blocks.get(index).map_or_else(Vector3::zeros, |block| block.position_mm(time_s))
+    }
+
+    /// Index of the block that runs at a time near that of another.
+    fn block_near(&self, time_s: f64, near: usize) -> usize {
         let mut index = near.min(self.blocks.len().saturating_sub(1));
         while index > 0 && self.blocks[index].start_s > time_s {
             index -= 1;
@@ -175,7 +182,31 @@ impl Trajectory {
         while self.blocks.get(index + 1).is_some_and(|next| next.start_s <= time_s) {
             index += 1;
         }
-        self.blocks.get(index).map_or_else(Vector3::zeros, |block| block.position_mm(time_s))
+        index
+    }
+
+    /// Mean of machine coordinates at so many times, evenly spaced, near that of a block, mm.
+    ///
+    /// Between two vertices a chord is driven at constant speed: its mean is where it is at its mean time.
+    pub fn mean_position_mm(&self, times: &Times, near: usize) -> Vector3<f64> {
+        let mut sum_mm = Vector3::zeros();
+        let mut at = 0;
+        while at < times.count {
+            let index = self.block_near(times.at_s(at as f64), near);
+            let ends_s = match (&self.driven, self.blocks.get(index + 1)) {
+                (None, Some(next)) => next.start_s,
+                (None, None) => f64::INFINITY,
+                // What was recorded is straight from one row to the next only.
+                (Some(_), _) => f64::NEG_INFINITY,
+            };
+            let more = times.count - at - 1;
+            let within =
+                1 + (1..=more).take_while(|k| times.at_s((at + k) as f64) < ends_s).count();
+            let middle_s = times.at_s(at as f64 + 0.5 * (within as f64 - 1.0));
+            sum_mm += within as f64 * self.position_near_mm(middle_s, index);
+            at += within;
+        }
+        sum_mm / times.count.max(1) as f64
     }
 
     /// Time spent at feed until a time, s: `d t / d ln(override)` of everything that happens then.

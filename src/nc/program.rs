@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use nalgebra::{Rotation3, Unit, Vector3};
+use nalgebra::Vector3;
 
 /// The path of a move between its two ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,28 +60,51 @@ impl Move {
                 chord.try_normalize(0.0).unwrap_or_else(Vector3::zeros),
             ),
             Path::Arc { center_mm, axis, sweep_rad } => {
-                let normal = Unit::new_unchecked(Vector3::ith(axis, 1.0));
-                let mut arm = self.start_mm - center_mm;
-                arm[axis] = 0.0;
-                let mut closing = self.end_mm - center_mm;
-                closing[axis] = 0.0;
-                // Ends that differ from a true circle by rounding are reached by letting the radius glide.
-                let glide = 1.0 + (closing.norm() / arm.norm() - 1.0) * share;
-                let turned = Rotation3::from_axis_angle(&normal, sweep_rad * share) * arm * glide;
-                let lift = normal.into_inner() * chord[axis];
-                let tangent = normal.cross(&turned) * sweep_rad + lift;
-                let mut position = center_mm + turned + lift * share;
+                let turned = self.turned_mm(&center_mm, axis, sweep_rad * share, share);
+                let mut position = center_mm + turned;
                 position[axis] = self.start_mm[axis] + chord[axis] * share;
+                let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
+                let mut tangent = Vector3::zeros();
+                (tangent[a], tangent[b]) = (-turned[b] * sweep_rad, turned[a] * sweep_rad);
+                tangent[axis] = chord[axis];
                 (position, tangent.try_normalize(0.0).unwrap_or_else(Vector3::zeros))
             }
         }
+    }
+
+    /// From the centre of an arc to where it is after a share of it, in its plane, mm.
+    fn turned_mm(
+        &self,
+        center_mm: &Vector3<f64>,
+        axis: usize,
+        angle_rad: f64,
+        share: f64,
+    ) -> Vector3<f64> {
+        let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
+        let from =
+            |point_mm: &Vector3<f64>| [point_mm[a] - center_mm[a], point_mm[b] - center_mm[b]];
+        let (arm, closing) = (from(&self.start_mm), from(&self.end_mm));
+        let square = |of: [f64; 2]| of[0] * of[0] + of[1] * of[1];
+        // Ends that differ from a true circle by rounding are reached by letting the radius glide.
+        let glide = 1.0 + ((square(closing) / square(arm)).sqrt() - 1.0) * share;
+        let (sine, cosine) = angle_rad.sin_cos();
+        let mut turned = Vector3::zeros();
+        turned[a] = (arm[0] * cosine - arm[1] * sine) * glide;
+        turned[b] = (arm[0] * sine + arm[1] * cosine) * glide;
+        turned
     }
 
     /// Position after a share of the path, 0 to 1, mm.
     pub fn position_mm(&self, share: f64) -> Vector3<f64> {
         match self.path {
             Path::Line => self.start_mm + (self.end_mm - self.start_mm) * share,
-            Path::Arc { .. } => self.at(share).0,
+            Path::Arc { center_mm, axis, sweep_rad } => {
+                let turned = self.turned_mm(&center_mm, axis, sweep_rad * share, share);
+                let mut position = center_mm + turned;
+                position[axis] =
+                    self.start_mm[axis] + (self.end_mm[axis] - self.start_mm[axis]) * share;
+                position
+            }
         }
     }
 

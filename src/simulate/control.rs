@@ -105,7 +105,7 @@ impl Control {
 }
 
 /// How finely following is worked out, s: in so short a time, also while it accelerates, a slide goes straight on to
-/// within nanometres.
+/// within nanometres. Behind a corner of 20 mm/s it is off by some 0.1 um for as long as its time constant.
 const STEP_S: f64 = 1e-3;
 
 /// Slides that follow their commands with a first-order lag: `following · d y / d t = command - y`.

@@ -140,3 +140,38 @@ fn a_ball_that_stands_nearly_a_millimetre_off() {
     assert!((x - 0.8).abs() < 0.05 && (y + 0.5).abs() < 0.05, "{told}");
     assert!(told.contains("hint: bring the balls together again"), "{told}");
 }
+
+/// A loop that is slower by a tenth makes its circle smaller, and lets it turn corners later: neither is a scale.
+#[test]
+fn a_loop_that_is_tuned_unlike_is_no_scale() {
+    let plan = "[plan]\nstrategy = \"xy\"\nfeed_mm_min = [1000.0, 2000.0]\n";
+    let work = bench("vertical.toml", "[20.0, -35.0, -300.0]", plan);
+    work.write(
+        "late.toml",
+        "sample_rate_hz = 250\nresolution_um = 0.1\nseed = 4\n[noise]\nwhite_um = 0.05\ncorrelated_um = 0.0\n\
+         [motion]\nfollowing_ms = [22, 20, 21]\n",
+    );
+    work.ballbar(&["program", "test.toml"]).done();
+    work.ballbar(&["simulate", "test.toml", "--scenario", "late.toml"]).done();
+    let told = work.ballbar(&["identify", "results/test.toml", "--json"]).done().stdout();
+    let told: serde_json::Value = serde_json::from_str(&told).unwrap();
+    // Of 20 ms, five readings, the mean; and steps of 0.1 um.
+    let left_um = told["repeats"][0]["residual_rms_um"].as_f64().unwrap();
+    assert!(
+        left_um < 1.05 * ((0.05_f64.powi(2) + 0.1_f64.powi(2) / 12.0) / 5.0).sqrt(),
+        "{left_um}"
+    );
+    let truth: toml::Table =
+        toml::from_str(&std::fs::read_to_string(work.path("results/truth.toml")).unwrap()).unwrap();
+    for (quantity, key) in [
+        ("scale X", "scale_X_um_m"),
+        ("scale Y", "scale_Y_um_m"),
+        ("reversal X", "reversal_X_um"),
+        ("reversal Y", "reversal_Y_um"),
+    ] {
+        let asked = told["at_the_place"].as_array().unwrap();
+        let of = asked.iter().find(|of| of["quantity"] == quantity).unwrap();
+        let off = of["value"].as_f64().unwrap() - truth["at_the_place"][key].as_float().unwrap();
+        assert!(off.abs() < 3.0 * of["all"].as_f64().unwrap(), "{off} of {of}");
+    }
+}

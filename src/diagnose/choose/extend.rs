@@ -12,9 +12,10 @@ use crate::identify::Campaign;
 use crate::machine::Machine;
 use crate::model::{Form, HeldEffect};
 use crate::plan::Test;
-use crate::residual::{self, Beside, Column, Element, Fitted, Owner, Residuals};
+use crate::residual::{self, Beside, Column, Element, Fitted, Noise, Owner, Residuals};
 
-/// A change of the sum of squares by less than this part of the gain is none.
+/// A change of the sum of squares by less than this part of the gain is none; nor is one by less than what the noise moves a
+/// single number by.
 const SETTLED: f64 = 1e-3;
 /// Identified anew so often at most.
 const MOST_ROUNDS: usize = 3;
@@ -39,7 +40,12 @@ pub(crate) fn extend(
     let mut last: Option<(Campaign, Residuals)> = None;
     for _ in 0..MOST_ROUNDS {
         let held = held(campaign, &fitted);
-        let Ok(extended) = campaign.with_held(test, machine, held) else { break };
+        let extended = match &last {
+            // What the first identification did not know moved its times; what the second does not moves none.
+            None => campaign.with_held(test, machine, held),
+            Some((extended, _)) => extended.with_held_anew(test, machine, held),
+        };
+        let Ok(extended) = extended else { break };
         let about = Residuals::of(test, machine, &extended)?;
         let left_mm2 = about.alone().left_mm2();
         let effects = sum(&fitted, &about);
@@ -47,10 +53,11 @@ pub(crate) fn extend(
         let alone = about.alone();
         let Some(again) = fit(&alone, &fitted.elements) else { break };
         let moved_mm2 = left_mm2 - (alone.left_mm2() - again.gain_mm2);
+        let noise = Noise::of(&about, &again.left_mm(&alone));
         drop(alone);
         fitted = again;
         last = Some((extended, about));
-        if moved_mm2.abs() < SETTLED * fitted.gain_mm2 {
+        if moved_mm2.abs() < noise.long_run_mm2.max(SETTLED * fitted.gain_mm2) {
             break;
         }
     }

@@ -169,7 +169,7 @@ fn falls_short(beside: &Beside, cause: &Tried, curve: &Tried) -> bool {
 /// The most promising candidates fitted to the samples themselves, the best first; nothing where none
 /// comes near what counts.
 fn closely(beside: &Beside, mut candidates: Vec<Candidate>, least_mm2: f64) -> Vec<Tried> {
-    candidates.sort_by(|a, b| b.gain_mm2.total_cmp(&a.gain_mm2));
+    candidates.sort_by(|a, b| told(b.gain_mm2).total_cmp(&told(a.gain_mm2)));
     let best = candidates.first().map_or(0.0, |c| c.gain_mm2);
     if best < NEAR_WHAT_COUNTS * least_mm2 {
         return Vec::new();
@@ -194,6 +194,12 @@ fn closely(beside: &Beside, mut candidates: Vec<Candidate>, least_mm2: f64) -> V
         Tried { fitted, score_mm2 }
     };
     let mut tried: Vec<Tried> = fitted.into_iter().map(score).collect();
-    tried.sort_by(|a, b| b.score_mm2.total_cmp(&a.score_mm2));
+    tried.sort_by(|a, b| told(b.score_mm2).total_cmp(&told(a.score_mm2)));
     tried
+}
+
+/// A gain to seven digits. On seats that no reading tells apart an effect gains the same but for rounding, which is not to say
+/// which of them stands for all: the first in the library does.
+fn told(gain_mm2: f64) -> f64 {
+    f64::from_bits(gain_mm2.to_bits() & !0xfff_ffff)
 }

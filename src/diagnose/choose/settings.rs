@@ -24,6 +24,8 @@ const CLOSELY: usize = 3;
 /// Tried is what would explain at least this part of what the best cause does: a place that is far off may explain more
 /// than a first step towards it says.
 const WORTH_TRYING: f64 = 0.5;
+/// And what by a first look through the exact chain explains at least this part of what it must.
+const WORTH_IDENTIFYING: f64 = 0.9;
 /// Steps towards the place of a ball.
 const MOST_STEPS: usize = 6;
 /// A place is tried this far away to see what it changes, mm.
@@ -70,7 +72,26 @@ struct Tried {
     gain_mm2: f64,
 }
 
+impl Tried {
+    /// Whether a first look through the exact chain gains so much. Where all poses are others, or other terms may be the
+    /// complete ones, nobody has looked.
+    fn may_gain(&self, test: &Test, machine: &Machine, campaign: &Campaign, mm2: f64) -> bool {
+        if self.setting.moves_poses() || matches!(self.setting, Setting::Pivot(_)) {
+            return true;
+        }
+        let amount_mm = self.amount.clamp(-LONGEST_MM, LONGEST_MM);
+        let (test, machine) = self.setting.applied(test, machine, amount_mm);
+        let left_mm2 = campaign.would_leave_mm2(&test, &machine);
+        left_mm2.is_ok_and(|left_mm2| campaign.leaves_mm2() - left_mm2 > mm2)
+    }
+}
+
 impl Setting {
+    /// Whether every pose is another one with it.
+    fn moves_poses(self) -> bool {
+        matches!(self, Self::Place(SetUp { ball: Ball::Workpiece, .. }, _))
+    }
+
     /// All that the model is sensitive to. With one mounting, a place is nothing but other coefficients.
     fn all(test: &Test, campaign: &Campaign) -> Vec<Self> {
         let turns = |slide: &Axis| {
@@ -275,7 +296,10 @@ fn step(
     tried.sort_by(|a, b| b.gain_mm2.total_cmp(&a.gain_mm2));
     let mut best: Option<(Corrected, f64)> = None;
     let before_mm2 = alone.left_mm2();
-    for first in tried.iter().take(CLOSELY) {
+    let enough_mm2 = least_mm2.max(best_cause_mm2);
+    tried.truncate(CLOSELY);
+    tried.retain(|tried| tried.may_gain(test, machine, campaign, WORTH_IDENTIFYING * enough_mm2));
+    for first in &tried {
         if best.as_ref().is_some_and(|(_, after_mm2)| before_mm2 - after_mm2 > first.gain_mm2) {
             break;
         }
@@ -286,7 +310,7 @@ fn step(
         }
     }
     let Some((mut corrected, after_mm2)) = best else { return Ok(None) };
-    if before_mm2 - after_mm2 < least_mm2.max(best_cause_mm2) {
+    if before_mm2 - after_mm2 < enough_mm2 {
         return Ok(None);
     }
     for wrong in &mut corrected.wrong {
@@ -326,10 +350,7 @@ fn exactly(
     for _ in 0..MOST_STEPS {
         amount_mm += step_mm.clamp(-LONGEST_MM, LONGEST_MM);
         let (test, machine) = first.setting.applied(test, machine, amount_mm);
-        let elsewhere =
-            matches!(first.setting, Setting::Place(SetUp { ball: Ball::Workpiece, .. }, _));
-        let identified = if elsewhere {
-            // Every pose is another one.
+        let identified = if first.setting.moves_poses() {
             campaign.realigned(&test, &machine)
         } else {
             // Other terms may be the complete ones.

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::align::Alignment;
+use crate::align::{Alignment, Corners};
 use crate::identify::Estimate;
 use crate::machine::Axis;
 use crate::model::HeldEffect;
@@ -14,8 +14,10 @@ use crate::report::text::numbers::finite;
 pub struct ControlResult {
     /// Time constant with which all slides followed the program alike, ms.
     pub following_ms: f64,
-    /// Its standard deviation, ms.
+    /// Its standard deviation, ms, of what is rounded by corners too.
     pub following_sigma_ms: Option<f64>,
+    /// How long the control took round a corner of the chords, ms; `None` where runs do not tell it.
+    pub corners_ms: Option<f64>,
     /// How much later than the mean of those that moved X, Y and Z followed, ms.
     pub later_ms: [f64; 3],
     /// Standard deviations of that, ms.
@@ -33,6 +35,7 @@ impl ControlResult {
         alignment: &Alignment,
         estimates: &[Estimate],
         held: &[HeldEffect],
+        corners: Option<&Corners>,
         run: usize,
     ) -> Self {
         let map = &alignment.time_map;
@@ -62,10 +65,12 @@ impl ControlResult {
         let stood = map.breaks().iter().zip(map.stood_s()).filter(|(at, _)| !at.operator);
         let stood_s: Vec<f64> = stood.filter_map(|(_, stood_s)| stood_s).collect();
         let mean_s = stood_s.iter().sum::<f64>() / stood_s.len().max(1) as f64;
+        let following_s = corners.map_or(map.following_s, |corners| corners.following_s(alignment));
         let ms = |s: f64| s * 1e3 + 0.0;
         Self {
-            following_ms: ms(map.following_s + of(None)),
+            following_ms: ms(following_s + of(None)),
             following_sigma_ms: finite(ms(map.following_sigma_s)),
+            corners_ms: corners.map(|corners| ms(corners.last_s(alignment))),
             later_ms: later_s.map(ms),
             later_sigma_ms: sigma_s.map(ms),
             standstill_longer_ms: (!stood_s.is_empty()).then(|| ms(mean_s)),

@@ -2,7 +2,7 @@
 
 use super::control::ControlResult;
 use super::facts::Analysis;
-use crate::report::text::layout::table;
+use crate::report::text::layout::{paragraph, table};
 use crate::report::text::numbers::{fixed, signed};
 
 /// How the control drove in every run, as far as its log tells.
@@ -22,7 +22,23 @@ pub(super) fn table_of(analysis: &Analysis) -> String {
         });
         rows.push(row);
     }
-    table(&rows, "lrrrrr")
+    let mut text = table(&rows, "lrrrrr");
+    if let Some(sentence) = corners(analysis) {
+        paragraph(&mut text, "  ", &sentence);
+    }
+    text
+}
+
+/// What is known of how corners of chords were rounded.
+fn corners(analysis: &Analysis) -> Option<String> {
+    let last_ms = || analysis.runs().filter_map(|run| run.control.corners_ms);
+    let least = last_ms().filter(|ms| *ms > 0.0).reduce(f64::min)?;
+    let most = last_ms().fold(least, f64::max);
+    Some(format!(
+        "The control rounds the corners of chords within {} to {} ms, the longer the faster it drives; that is not counted in what slides follow with.",
+        fixed(least, 0),
+        fixed(most, 0)
+    ))
 }
 
 /// With what all slides followed alike.
