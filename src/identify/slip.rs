@@ -22,7 +22,8 @@ const BEYOND_CHANCE: f64 = 30.0;
 const IN_A_GAP: f64 = 0.25;
 /// And by so many standard deviations where there was none.
 const SIGMAS: f64 = 4.0;
-/// What is added to the square of a step of a ball, as a share of it: one that the model spans stays small.
+/// What is added to the square of a step of a ball, as a share of that of a slip: one that the model spans stays small, and so does
+/// one across a plane, which no reading sees.
 const RIDGE: f64 = 1e-6;
 /// So many readings either side of a step show what a fit leaves of it.
 const NEXT_TO_IT: usize = 12;
@@ -114,7 +115,7 @@ fn is_of_a_ball(
     let [slipped, ball @ ..] = &columns;
     let (common, own) = (dot(slipped, &left_mm), dot(slipped, &outside[0]));
     let normal = Matrix::from_fn(3, 3, |i, k| {
-        let ridge = if i == k { RIDGE * dot(&ball[i], &ball[i]) } else { 0.0 };
+        let ridge = if i == k { RIDGE * dot(slipped, slipped) } else { 0.0 };
         dot(&ball[i], &outside[1 + k]) + ridge
     });
     let Some(normal) = Cholesky::of(&normal) else { return Ok(false) };

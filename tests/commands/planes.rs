@@ -175,3 +175,21 @@ fn a_loop_that_is_tuned_unlike_is_no_scale() {
         assert!(off.abs() < 3.0 * of["all"].as_f64().unwrap(), "{off} of {of}");
     }
 }
+
+/// A step that differs with the direction of the bar is no slip of the bar, though a plane says nothing of one across it.
+#[test]
+fn a_ball_that_is_knocked_in_one_plane_is_no_bar_that_slipped() {
+    let plan = "[plan]\nstrategy = \"xy\"\nfeed_mm_min = 1550.0\novershoot_deg = 0.0\n";
+    let work = bench("vertical.toml", "[20.0, -35.0, -300.0]", plan);
+    let noise = "[noise]\nwhite_um = 0.1\ncorrelated_um = 0.2\n";
+    work.write("fast.toml", format!("sample_rate_hz = 250.0\n{noise}"));
+    for moment_s in [83, 86] {
+        let knock = format!("repeated-step:on=EYt,step_um=-14,moment_s={moment_s}");
+        let simulate =
+            ["simulate", "test.toml", "--scenario", "fast.toml", "--seed", "2", "--hide"];
+        work.ballbar(&[&simulate[..], &[&knock]].concat()).done();
+        let told = work.ballbar(&["analyse", "results/test.toml"]).done().stdout();
+        assert!(!told.contains("slipped"), "{told}");
+        assert!(told.contains("Knock: a ball moved once, EYt"), "{told}");
+    }
+}
