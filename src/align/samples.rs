@@ -15,6 +15,11 @@ use crate::machine::Pose;
 use crate::model::Motion;
 use crate::motion::{Reversals, State, Times, Trajectory};
 
+/// A slide is where it goes to so much later, and comes from so much before, s.
+const HAIR_S: f64 = 1e-4;
+/// By no more than rounding it does not move, mm.
+const STANDS_MM: f64 = 1e-9;
+
 /// What part of the program a sample was taken in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
@@ -249,8 +254,15 @@ impl Alignment {
         let state = self.trajectory.at(program_s);
         let late_s = self.time_map.delays_s - self.time_map.unlike_s();
         let late_mm = late_s.component_mul(&state.velocity_mm_s);
-        let [path_mm, _] = following.at(&self.trajectory, program_s, state.block);
+        let at_mm =
+            |aside_s: f64| following.at(&self.trajectory, program_s + aside_s, state.block)[0];
+        let path_mm = at_mm(0.0);
         let position_mm = path_mm - late_mm;
+        // Round a corner that comes from fast and goes on slowly a slide turns later than round the middle of one.
+        let moves_mm = at_mm(HAIR_S) - at_mm(-HAIR_S);
+        let sense = state.sense.zip_map(&moves_mm, |sense, moves_mm| {
+            if moves_mm.abs() > STANDS_MM { moves_mm.signum() } else { sense }
+        });
         let motion = Motion {
             velocity_mm_s: state.velocity_mm_s,
             elapsed_s: sample.motion.elapsed_s + later_s,
@@ -259,7 +271,7 @@ impl Alignment {
             corner: self.trajectory.corner(program_s, state.block),
             ..sample.motion
         };
-        let pose = Pose { position_mm, sense: state.sense };
+        let pose = Pose { position_mm, sense };
         Sample { program_s, pose, motion, block: state.block, ..*sample }
     }
 

@@ -1,6 +1,7 @@
 //! The readings of a circular test, each with where the machine was while it was taken.
 
 use super::scene::{Column, Scene};
+use crate::align::Sample;
 use crate::circular::{CircularTest, WayPath, Ways};
 use crate::error::Result;
 use crate::identify::Apart;
@@ -98,21 +99,29 @@ fn way(scene: &Scene, path: &WayPath) -> Way {
         if turns && half_s < 3.0 * sample.time_sigma_s.max(f64::MIN_POSITIVE) {
             continue;
         }
-        let at = |later_s: f64| {
-            let then = alignment.later(&following, sample, later_s);
-            scene.model.situation(&then.pose, &then.motion, run.mounting)
-        };
         way.angle_rad.push(*angle_rad);
         way.read_mm.push(*read_mm);
         let ball_mm = sample.pose.position_mm - alignment.coincidence_mm();
         way.commanded_mm.push(ball_mm.norm() - run.nominal_mm);
-        way.residual_mm.push(record.residual_mm);
-        way.seen.push(if turns {
+        let during: Vec<Sample> = if turns {
             let share = |k: u32| (2.0 * f64::from(k) + 1.0) / f64::from(MOMENTS) - 1.0;
-            (0..MOMENTS).map(|k| at(share(k) * half_s)).collect()
+            (0..MOMENTS).map(|k| alignment.later(&following, sample, share(k) * half_s)).collect()
         } else {
-            vec![scene.model.situation(&sample.pose, &sample.motion, run.mounting)]
-        });
+            vec![*sample]
+        };
+        // The fit computed it for the middle alone, where each slide goes one way.
+        let beyond_mm = |at: &Sample| {
+            let ball_mm = at.pose.position_mm - alignment.coincidence_mm();
+            scene.model.length_mm(scene.values, &at.pose, &at.motion, run.mounting) - ball_mm.norm()
+        };
+        let in_the_mean_mm = if turns {
+            during.iter().map(beyond_mm).sum::<f64>() / during.len() as f64 - beyond_mm(sample)
+        } else {
+            0.0
+        };
+        way.residual_mm.push(record.residual_mm - in_the_mean_mm);
+        let situation = |at: &Sample| scene.model.situation(&at.pose, &at.motion, run.mounting);
+        way.seen.push(during.iter().map(situation).collect());
     }
     way
 }

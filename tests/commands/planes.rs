@@ -176,6 +176,33 @@ fn a_loop_that_is_tuned_unlike_is_no_scale() {
     }
 }
 
+/// Slides that follow late turn round where the lag lets them, not where the program's chords meet: a mean of readings across
+/// a reversal is explained as well as any other.
+#[test]
+fn noise_alone_makes_little_of_a_circle_where_slides_follow_late() {
+    let plan = "[plan]\nstrategy = \"xy\"\nfeed_mm_min = 1600.0\nchord_sag_um = 1.0\n";
+    let work = bench("vertical.toml", "[20.0, -35.0, -300.0]", plan);
+    work.write(
+        "late.toml",
+        "sample_rate_hz = 1000\nresolution_um = 0.1\nseed = 4\n[noise]\nwhite_um = 0.1\ncorrelated_um = 0.0\n\
+         [motion]\nfollowing_ms = [13, 13, 13]\n",
+    );
+    work.ballbar(&["simulate", "test.toml", "--scenario", "late.toml"]).done();
+    work.ballbar(&["analyse", "results/test.toml"]).done();
+    let analysis: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(work.path("results/analysis.json")).unwrap())
+            .unwrap();
+    let told = analysis["ranking"]["tests"][0]["unexplained_um"].as_f64().unwrap();
+    let left_um = analysis["diagnosis"]["after_um"].as_f64().unwrap();
+    // A mean of twenty readings, one of which may be taken for one of the other side.
+    let truth: toml::Table =
+        toml::from_str(&std::fs::read_to_string(work.path("results/truth.toml")).unwrap()).unwrap();
+    let of_sense = truth["at_the_place"].as_table().unwrap().iter();
+    let of_sense = of_sense.filter(|(key, _)| key.starts_with("reversal") || key.contains("play"));
+    let largest_um = of_sense.map(|(_, um)| um.as_float().unwrap().abs()).fold(0.0, f64::max);
+    assert!(told < 2.0 * largest_um / 20.0 + 12.0 * left_um, "{told} of {left_um}, {largest_um}");
+}
+
 /// A step that differs with the direction of the bar is no slip of the bar, though a plane says nothing of one across it.
 #[test]
 fn a_ball_that_is_knocked_in_one_plane_is_no_bar_that_slipped() {
