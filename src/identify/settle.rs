@@ -46,7 +46,7 @@ const CHOOSING_STEPS: usize = 3;
 
 /// Where a fit stood before a step.
 struct Stand {
-    /// Root of the sum of squares there, in units of the noise.
+    /// Root of the mean square of what was left of a reading there, in units of the noise.
     misfit: f64,
     /// The step from there.
     step: Unknowns,
@@ -78,6 +78,8 @@ impl Fit<'_> {
         let downhill_after = if self.state.bent { DOWNHILL_AGAIN_AFTER } else { DOWNHILL_AFTER };
         let mut kept: Option<Stand> = None;
         let mut halvings = 0;
+        // Whether no part of a step leads down.
+        let mut stuck = false;
         let mut before: Option<Unknowns> = None;
         let mut misfits: Vec<f64> = Vec::new();
         let mut chosen_s = Vec::new();
@@ -90,7 +92,8 @@ impl Fit<'_> {
             let moved_s = self.moved_s(&chosen_s);
             let choosing = wary || steps <= CHOOSING_STEPS || moved_s > held_s;
             if choosing {
-                let came_to_rest = wary && steps > FINDING_STEPS && moved_s < MOVES_S;
+                let was_wary = wary;
+                let came_to_rest = wary && (stuck || steps > FINDING_STEPS && moved_s < MOVES_S);
                 self.state.came_to_rest |= came_to_rest;
                 wary = wary && !came_to_rest && steps < downhill_after;
                 // Times that hardly anything tells go to and fro for ever: what is kept from reversals is then so much that they may.
@@ -104,22 +107,32 @@ impl Fit<'_> {
                 } else {
                     self.state.leave_out(&chosen);
                 }
+                // Chosen by another rule they are other readings, and do not compare.
+                if was_wary != wary || steps <= CHOOSING_STEPS {
+                    kept = None;
+                    misfits.clear();
+                }
                 chosen_s = self.times_s();
-                kept = None;
-                misfits.clear();
             }
             let rows = self.factor(detail)?;
-            let misfit = rows.rhs_norm();
+            let count = self.counted(&rows);
+            let misfit = rows.rhs_norm() / count.sqrt();
+            // Of as many readings as take part now: some may have been left out since.
+            let above = |earlier: f64| count * (earlier.powi(2) - misfit.powi(2));
             // What the last step lowered the sum of squares by.
-            let gained = kept.as_ref().map(|stand| stand.misfit.powi(2) - misfit.powi(2));
+            let gained = kept.as_ref().map(|stand| above(stand.misfit));
             let negligible = (NEGLIGIBLE * self.state.correlated).powi(2);
             let remembered = if steps > downhill_after { 1 } else { LATELY };
             let lately = misfits.iter().rev().take(remembered).copied().fold(0.0, f64::max);
-            let worse = misfit.powi(2) > lately.powi(2) + negligible;
+            let worse = -above(lately) > negligible;
             if let Some(stand) = kept.take_if(|_| worse) {
                 // A time that steps over a vertex of the path comes back with the next step, and so for ever: less far.
                 self.stand_at(&stand);
                 let enough = if stand.near { MOST_HALVINGS } else { NO_WAY_DOWN };
+                if halvings >= enough && wary {
+                    (halvings, stuck) = (0, true);
+                    continue;
+                }
                 if halvings >= enough {
                     return Ok(self.settled(stand, steps));
                 }
@@ -137,22 +150,23 @@ impl Fit<'_> {
                 kept = None;
                 continue;
             }
-            if let Some(bounded) = self.within_bounds(&rows, solution.unknowns())? {
+            // What is held moves the others, and beyond their bounds maybe.
+            let mut held = Vec::new();
+            while let Some(bounded) = self.within_bounds(&rows, solution.unknowns(), &mut held)? {
                 solution = self.solve(&bounded)?;
             }
             let step = solution.unknowns().clone();
             let change = rows.change(&step);
-            let count = self.counted(&rows);
             // Rows are in units of the assumed noise: their rms corrects it.
             let scatter = self.state.correlated * solution.shared().residual_norm() / count.sqrt();
             if steps > FINDING_STEPS && self.state.sigma_mm * scatter > HOPELESS * most_mm {
                 return Err(Error::new(Kind::Undetermined, "more is left than elsewhere"));
             }
-            let before_lately = misfits.len().checked_sub(LATELY).map(|k| misfits[k].powi(2));
+            let before_lately = misfits.len().checked_sub(LATELY).map(|k| misfits[k]);
             let rests = steps > downhill_after
-                && before_lately.is_some_and(|square| square - misfit.powi(2) < HARDLY);
+                && before_lately.is_some_and(|earlier| above(earlier) < HARDLY);
             let gains_nothing =
-                rests || gained.is_some_and(|g| g.abs() < negligible) && halvings == 0;
+                rests || !choosing && gained.is_some_and(|g| g.abs() < negligible) && halvings == 0;
             halvings = 0;
             let near = detail == timing::Detail::Smooth || change < NEARLY * scatter * count.sqrt();
             // Sums of squares of other samples do not compare: to and fro is told by the steps themselves.
@@ -177,8 +191,7 @@ impl Fit<'_> {
                 self.state.sigma_mm =
                     (self.state.sigma_mm * scatter).max(1e-3 * self.options.noise_mm);
             }
-            // Sums of squares compare where the same samples make them.
-            if !wary && steps >= CHOOSING_STEPS {
+            if steps >= CHOOSING_STEPS {
                 misfits.push(stand.misfit);
                 kept = Some(stand);
             }
@@ -201,24 +214,31 @@ impl Fit<'_> {
     }
 
     /// The rows with the steps that a time constant cannot take held at what it can, so that the others do not
-    /// answer to what does not happen; `None` where it can take all.
+    /// answer to what does not happen, those `held` already among them; `None` where no others are beyond.
     ///
     /// No slide follows ahead of time. The effect of a time constant grows with its square: far away its slope is
     /// another one.
-    fn within_bounds(&self, rows: &Bordered, step: &Unknowns) -> Result<Option<Bordered>> {
-        let held = self.runs.iter().enumerate().filter_map(|(index, run)| {
+    fn within_bounds(
+        &self,
+        rows: &Bordered,
+        step: &Unknowns,
+        held: &mut Vec<(usize, usize, f64, f64)>,
+    ) -> Result<Option<Bordered>> {
+        let before = held.len();
+        for (index, run) in self.runs.iter().enumerate() {
             let column = self.columns.following(index);
             let step_s = step.own[index][column];
             let least_s = (-run.alignment.time_map.following_s).max(-timing::STRIDE_S);
-            let possible_s = step_s.clamp(least_s, timing::STRIDE_S);
             let beyond = step_s < least_s || step_s > timing::STRIDE_S;
-            beyond.then_some((index, column, possible_s, timing::AT_ONCE_S))
-        });
-        let held: Vec<_> = held.collect();
-        if held.is_empty() {
+            if beyond && !held[..before].iter().any(|(held, ..)| *held == index) {
+                let possible_s = step_s.clamp(least_s, timing::STRIDE_S);
+                held.push((index, column, possible_s, timing::AT_ONCE_S));
+            }
+        }
+        if held.len() == before {
             return Ok(None);
         }
-        Ok(Some(rows.with_priors(&held)?))
+        Ok(Some(rows.with_priors(held)?))
     }
 
     /// Program time of every sample as it is laid now, s.
