@@ -22,6 +22,7 @@ mod class;
 mod course;
 mod days;
 mod draw;
+mod files;
 mod grid;
 mod judge;
 mod one;

@@ -6,7 +6,6 @@
 mod course;
 mod days;
 mod factors;
-mod files;
 mod table;
 
 use std::collections::BTreeMap;
@@ -15,6 +14,7 @@ use super::chance::{Chance, Purpose};
 use super::class::Class;
 use super::course::Course;
 use super::draw::{drawn, outside};
+use super::files::files;
 use super::one::{Drawn, Outcome, trial};
 use super::request::Request;
 use super::session::side_by_side;
@@ -59,15 +59,25 @@ impl Grid {
         of_grid: &mut Chance,
         keep: bool,
     ) -> Result<Outcome> {
-        let Request { class, index } = request;
-        let chance = |purpose| Chance::new(self.seed, class, index, purpose);
         let Campaign { course, days, .. } = self.campaign(request, factors, of_grid)?;
+        let (stage, drawn) = self.drawn(request, factors, &course, days)?;
+        Ok(trial(&stage, &course, drawn, keep))
+    }
+
+    /// What is hidden in a campaign, and on what its sizes were worked out.
+    fn drawn(
+        &self,
+        Request { class, index }: Request,
+        factors: &Factors,
+        course: &Course,
+        days: Vec<Scenario>,
+    ) -> Result<(Stage, Drawn)> {
         let mut planned = days.clone();
         for day in &mut planned {
             day.control = Control::AS_PLANNED;
             day.sample_rate_hz = day.sample_rate_hz.map(|rate_hz| rate_hz.min(STAGE_HZ));
         }
-        let stage = Stage::of(&course, planned, true)?;
+        let stage = Stage::of(course, planned, true)?;
         let noise_mm = factors.noise_mm();
         let size_mm = self.size_mm.unwrap_or(match class {
             Class::Single | Class::Two | Class::Outside => SIZE_MM.max(TIMES_NOISE * noise_mm),
@@ -77,10 +87,9 @@ impl Grid {
         let true_too = true_too(factors);
         let mut causes = if class == Class::Outside { outside() } else { drawn() };
         causes.retain(|cause| !true_too.contains(&cause.id));
-        let mut of_effects = chance(Purpose::Effects);
-        let hidden = stage.drawn(&course, &causes, class.effects(), size_mm, &mut of_effects)?;
-        let drawn = Drawn { class, index, size_mm, hidden, days, true_too };
-        Ok(trial(&stage, &course, drawn, keep))
+        let mut of_effects = Chance::new(self.seed, class, index, Purpose::Effects);
+        let hidden = stage.drawn(course, &causes, class.effects(), size_mm, &mut of_effects)?;
+        Ok((stage, Drawn { class, index, size_mm, hidden, days, true_too }))
     }
 
     fn campaign(
@@ -102,18 +111,18 @@ impl Grid {
     pub fn files(&self, request: Request) -> Result<Vec<(String, String)>> {
         let mut chance = Chance::new(self.seed, request.class, request.index, Purpose::Grid);
         let factors = Factors::drawn(&mut chance);
-        let hidden = match request.class {
-            Class::None => Vec::new(),
-            _ => self.outcome(request, &factors, &mut chance.clone(), false)?.hidden,
-        };
         let Campaign { course, test_toml, mut days } =
             self.campaign(request, &factors, &mut chance)?;
+        let hidden = match request.class {
+            Class::None => Vec::new(),
+            _ => self.drawn(request, &factors, &course, days.clone())?.1.hidden,
+        };
         for day in &mut days {
             for (effect, _) in &hidden {
                 day.hide(effect.clone())?;
             }
         }
-        files::files(&course, &test_toml, course::machine_toml(factors.make), &days)
+        files(&course, &test_toml, course::machine_toml(factors.make), &days)
     }
 
     /// Does trials, as many at a time as there are threads; `finished` is called after each.

@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 
+use super::course::Course;
+use super::simulated::simulate_all;
 use crate::error::Result;
 use crate::simulate::{Scenario, TrueRun, at_the_place, truth_toml};
-use crate::trial::course::Course;
-use crate::trial::simulated::simulate_all;
 
 /// Name and text of every file.
 pub(super) fn files(
