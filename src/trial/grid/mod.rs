@@ -10,11 +10,12 @@ mod table;
 
 use std::collections::BTreeMap;
 
+use super::archive::CampaignFiles;
 use super::chance::{Chance, Purpose};
 use super::class::Class;
 use super::course::Course;
 use super::draw::{drawn, outside};
-use super::files::files;
+use super::files::{files, hide};
 use super::one::{Drawn, Outcome, trial};
 use super::request::Request;
 use super::session::side_by_side;
@@ -104,25 +105,37 @@ impl Grid {
         Ok(Campaign { course, test_toml, days })
     }
 
-    /// The files of a trial, by name, as if it had been measured: machine, test, programs, logs, and what is true.
+    /// A trial as if it had been measured: machine, test, programs, logs, and what is true.
     ///
     /// # Errors
     /// When no effect of its size can be hidden.
-    pub fn files(&self, request: Request) -> Result<Vec<(String, String)>> {
+    pub fn files(&self, request: Request) -> Result<CampaignFiles> {
         let mut chance = Chance::new(self.seed, request.class, request.index, Purpose::Grid);
         let factors = Factors::drawn(&mut chance);
         let Campaign { course, test_toml, mut days } =
             self.campaign(request, &factors, &mut chance)?;
-        let hidden = match request.class {
-            Class::None => Vec::new(),
-            _ => self.drawn(request, &factors, &course, days.clone())?.1.hidden,
-        };
-        for day in &mut days {
-            for (effect, _) in &hidden {
-                day.hide(effect.clone())?;
-            }
+        let (mut size_mm, mut hidden) = (0.0, Vec::new());
+        if request.class != Class::None {
+            let drawn = self.drawn(request, &factors, &course, days)?.1;
+            size_mm = drawn.size_mm;
+            days = drawn.days;
+            hidden = hide(drawn.hidden, &mut days)?;
         }
-        files(&course, &test_toml, course::machine_toml(factors.make), &days)
+        let files = files(&course, &test_toml, course::machine_toml(factors.make), &days)?;
+        Ok(CampaignFiles { request, size_mm, hidden, strata: factors.strata(), files })
+    }
+
+    /// The campaigns of trials as files, handed to `taken` as they are made: where nothing of its size can be hidden, the
+    /// error of it. What it made of them stands in the order of the requests.
+    ///
+    /// # Errors
+    /// What `taken` fails with.
+    pub fn campaigns<T: Send>(
+        &self,
+        requests: &[Request],
+        taken: &(dyn Fn(Request, Result<CampaignFiles>) -> Result<T> + Sync),
+    ) -> Result<Vec<T>> {
+        side_by_side(requests, &|request| taken(request, self.files(request)), &|_| ())
     }
 
     /// Does trials, as many at a time as there are threads; `finished` is called after each.
