@@ -24,6 +24,7 @@ mod b5r;
 #[allow(clippy::float_cmp)] // what is read is exact or wrong
 mod b5r_tests;
 mod ballbar_log;
+mod bounds;
 mod by_angle;
 mod clock;
 mod columns;
