@@ -32,6 +32,10 @@ mod content;
 mod day;
 mod encoding;
 mod number;
+mod plain;
+#[cfg(test)]
+#[allow(clippy::float_cmp)] // what is read is exact or wrong
+mod plain_tests;
 mod read;
 mod reading;
 mod recording;

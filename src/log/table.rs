@@ -10,6 +10,7 @@ use super::clock::Clock;
 use super::columns::{Header, find_column};
 use super::day;
 use super::number::{Fault, Numbers, is_nines, is_no_reading};
+use super::plain::{Plain, PlainRows};
 use super::reading::Reading;
 use super::text::{Line, quote, split};
 use crate::error::{Error, Result};
@@ -84,6 +85,30 @@ impl<'a> Table<'a> {
         let mut fields = Vec::new();
         split(header.text, self.delimiter, &mut fields);
         fields.into_iter().map(|field| header.text[field].to_owned()).collect()
+    }
+
+    /// The rows below the header of a text, where all of them are plain; nothing else is different from [`rows`](Self::rows).
+    pub(super) fn plain_rows(&self, text: &str, header: Line) -> Option<Rows> {
+        let Times::Column { index, unit } = self.times else { return None };
+        if self.is_sheet {
+            return None;
+        }
+        let end = (header.text.as_ptr() as usize - text.as_ptr() as usize) + header.text.len();
+        let (_, below) = text.get(end..)?.split_once('\n')?;
+        let plain = Plain {
+            delimiter: self.delimiter,
+            width: self.width,
+            time: index,
+            time_unit: unit,
+            reading: self.reading,
+            format: self.format,
+        };
+        let PlainRows { readings, no_readings: words } = plain.rows(below, header.number)?;
+        let mut no_readings = Vec::new();
+        for word in words {
+            count(word, &mut no_readings);
+        }
+        Some(Rows { readings, angles_deg: Vec::new(), no_readings, began: None, of_day: false })
     }
 
     /// The readings, and what stood where there was none, each word with how often.
