@@ -74,7 +74,8 @@ fn whole(file: &Path, what: &str) -> Result<Vec<u8>> {
         return bounded(piped().map_err(told)?, file, what);
     }
     // A device never ends, and a pipe that nobody writes to never begins; what a shell pipes in does both.
-    let kind = std::fs::metadata(file).map_err(told)?.file_type();
+    let metadata = std::fs::metadata(file).map_err(told)?;
+    let kind = metadata.file_type();
     let piped = file.starts_with("/dev/fd") || file.starts_with("/dev/stdin");
     if !(kind.is_file() || kind.is_dir() || piped) {
         return Err(Error::input(format!("the {what} is not a file but a device or a pipe"))
@@ -85,7 +86,8 @@ fn whole(file: &Path, what: &str) -> Result<Vec<u8>> {
     if kind.is_dir() {
         return Err(told(ErrorKind::IsADirectory.into()));
     }
-    let mut bytes = Vec::new();
+    // Room for all of it at once, and some more, into which the end is read.
+    let mut bytes = Vec::with_capacity(metadata.len().min(LARGEST_BYTES) as usize + 64);
     let mut limited = std::fs::File::open(file).map_err(told)?.take(LARGEST_BYTES + 1);
     limited.read_to_end(&mut bytes).map_err(told)?;
     bounded(bytes, file, what)

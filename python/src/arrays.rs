@@ -31,6 +31,17 @@ impl<'py> Numbers<'py> {
             let kind = given.get_type().name().map_or_else(|_| "?".into(), |name| name.to_string());
             return Err(refused(&format!("a {kind}")));
         };
+        // An array in everything but its mask, which the numbers alone do not have.
+        if given.hasattr("mask")? {
+            return Err(argument(
+                py,
+                name,
+                &format!("a masked array where {wanted} is expected: its mask would be lost"),
+                &format!(
+                    "pass {name}.filled(numpy.nan) where NaN says that there is no reading, else leave masked rows out"
+                ),
+            ));
+        }
         let Ok(array) = given.cast::<PyArrayDyn<f64>>() else {
             return Err(refused(&format!("an array of {}", untyped.dtype())));
         };

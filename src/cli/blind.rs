@@ -7,6 +7,7 @@ use std::sync::Mutex;
 use clap::Args;
 use serde_json::json;
 
+use super::archive::Archive;
 use super::common::Common;
 use super::output::{self, Talk};
 use super::results::Files;
@@ -33,6 +34,7 @@ use crate::trial::{
   ballbar blind test.toml --repeats 5          on the programs of a test
   ballbar blind --grid --full --list           campaigns of all kinds, rates for each kind
   ballbar blind --grid --trial none:17         one of them again
+  ballbar blind --archive --trials 2 -o DIR    the campaigns themselves, for other programs
 
 Classes: single (1 um rms), small (as the noise), sizes (0.3, 0.5, 2 times the noise), none, two (1 um
 each), outside (a bump, a joint or a friction tilt of 1 um)")]
@@ -70,6 +72,9 @@ pub(super) struct Arguments {
     /// With `--grid --trial`: write its machine, test, programs and logs, and what is true, for the other commands
     #[arg(long, requires_all = ["trial", "grid"])]
     write: bool,
+    /// Write the campaigns as a data set instead of diagnosing them: a zip for each, what is true, a description
+    #[arg(long, conflicts_with_all = ["test", "trial", "list"])]
+    archive: bool,
 }
 
 fn class(name: &str) -> std::result::Result<Class, String> {
@@ -95,6 +100,12 @@ fn request(text: &str) -> std::result::Result<Request, String> {
 impl Arguments {
     pub(super) fn run(&self, common: &Common, talk: &Talk) -> Result<()> {
         let size_mm = self.size.map(|um| um * 1e-3);
+        if self.archive {
+            let requests = self.requests(if self.grid { &IN_GRID } else { &REQUIRED });
+            let (grid, seed, command) = (self.grid, self.seed, self.archive_command());
+            let archive = Archive { grid, seed, size_mm, requests: &requests, command };
+            return archive.run(common, talk);
+        }
         if self.grid {
             return self.run_grid(&Grid { seed: self.seed, size_mm }, common, talk);
         }
@@ -121,7 +132,7 @@ impl Arguments {
     fn run_grid(&self, grid: &Grid, common: &Common, talk: &Talk) -> Result<()> {
         if let (Some(request), true) = (self.trial, self.write) {
             let mut files = Files::of(common, Vec::new());
-            for (name, text) in grid.files(request)? {
+            for (name, text) in grid.files(request)?.files {
                 files.add(name, text);
             }
             for file in files.write()?.files {
@@ -166,6 +177,27 @@ impl Arguments {
             output::print("\n")?;
         }
         outcomes
+    }
+
+    /// The command line of a data set, with all that makes it what it is.
+    fn archive_command(&self) -> String {
+        let mut command = "ballbar blind --archive".to_owned();
+        if self.grid {
+            command.push_str(" --grid");
+        }
+        let _ = write!(command, " --seed {}", self.seed);
+        if self.full {
+            command.push_str(" --full");
+        } else {
+            let _ = write!(command, " --trials {}", self.trials);
+        }
+        for class in &self.class {
+            let _ = write!(command, " --class {class}");
+        }
+        if let Some(um) = self.size {
+            let _ = write!(command, " --size {um}");
+        }
+        command
     }
 
     fn requests(&self, required: &[(Class, usize)]) -> Vec<Request> {

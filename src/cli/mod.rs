@@ -6,6 +6,7 @@
 
 mod align;
 mod analyse;
+mod archive;
 mod ask;
 mod blind;
 mod browser;

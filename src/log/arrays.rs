@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use super::bounds::{LARGEST_DEVIATION_MM, LATEST_S, MOST_READINGS};
 use super::reading::{Log, Reading};
-use super::table::{LARGEST_DEVIATION_MM, LATEST_S, MOST_READINGS};
 use crate::error::{Error, Result};
 use crate::plan::log_format::LengthUnit;
 

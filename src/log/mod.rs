@@ -24,6 +24,7 @@ mod b5r;
 #[allow(clippy::float_cmp)] // what is read is exact or wrong
 mod b5r_tests;
 mod ballbar_log;
+mod bounds;
 mod by_angle;
 mod clock;
 mod columns;
@@ -31,6 +32,10 @@ mod content;
 mod day;
 mod encoding;
 mod number;
+mod plain;
+#[cfg(test)]
+#[allow(clippy::float_cmp)] // what is read is exact or wrong
+mod plain_tests;
 mod read;
 mod reading;
 mod recording;

@@ -92,7 +92,11 @@ fn content(bytes: &[u8], file: &Path, format: &Format, columns: Columns) -> Resu
     let mut lines = lines();
     let header = find_header(file, &mut lines, format)?;
     let table = table::Table::new(file, header, format, is_sheet)?;
-    let Rows { readings, angles_deg, no_readings, began, of_day } = table.rows(lines)?;
+    let rows = match table.plain_rows(&text, header.line) {
+        Some(rows) => rows,
+        None => table.rows(lines)?,
+    };
+    let Rows { readings, angles_deg, no_readings, began, of_day } = rows;
     let noted = |(word, count): (String, usize)| {
         format!("{count} reading(s) are `{word}` and count as out of range")
     };

@@ -9,9 +9,9 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
 
+use super::bounds::LATEST_S;
 use super::encoding::as_text;
 use super::number::Numbers;
-use super::table::LATEST_S;
 use super::text::{Line, lines, quote, split};
 use crate::error::{Error, Place, Result};
 use crate::input;

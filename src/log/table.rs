@@ -5,25 +5,17 @@ use std::path::Path;
 
 use jiff::civil::Date;
 
+use super::bounds::{BEYOND, LARGEST_DEVIATION_MM, LATEST_S, MOST_READINGS};
 use super::clock::Clock;
 use super::columns::{Header, find_column};
 use super::day;
 use super::number::{Fault, Numbers, is_nines, is_no_reading};
+use super::plain::{Plain, PlainRows};
 use super::reading::Reading;
 use super::text::{Line, quote, split};
 use crate::error::{Error, Result};
 use crate::plan::log_format::{Delimiter, Format, LengthUnit, ReadingKind, TimeColumn, TimeUnit};
 
-/// No telescoping ball-bar reaches further than a few mm; beyond this the unit is wrong.
-pub(super) const LARGEST_DEVIATION_MM: f64 = 10.0;
-/// Readings of a log: more than half an hour at 2000 a second, or a night at 100; what is made of them takes a hundred
-/// times their memory.
-pub(super) const MOST_READINGS: usize = 4_000_000;
-/// No clock has gone for longer, s: three hundred years, whichever day its times count from.
-pub(super) const LATEST_S: f64 = 1e10;
-
-/// A bar that reads so many times its range is none: ranges are stated by eye.
-const BEYOND: f64 = 2.0;
 /// So many words for no reading are told apart.
 const MOST_WORDS: usize = 8;
 const OTHER_WORDS: &str = "...";
@@ -93,6 +85,30 @@ impl<'a> Table<'a> {
         let mut fields = Vec::new();
         split(header.text, self.delimiter, &mut fields);
         fields.into_iter().map(|field| header.text[field].to_owned()).collect()
+    }
+
+    /// The rows below the header of a text, where all of them are plain; nothing else is different from [`rows`](Self::rows).
+    pub(super) fn plain_rows(&self, text: &str, header: Line) -> Option<Rows> {
+        let Times::Column { index, unit } = self.times else { return None };
+        if self.is_sheet {
+            return None;
+        }
+        let end = (header.text.as_ptr() as usize - text.as_ptr() as usize) + header.text.len();
+        let (_, below) = text.get(end..)?.split_once('\n')?;
+        let plain = Plain {
+            delimiter: self.delimiter,
+            width: self.width,
+            time: index,
+            time_unit: unit,
+            reading: self.reading,
+            format: self.format,
+        };
+        let PlainRows { readings, no_readings: words } = plain.rows(below, header.number)?;
+        let mut no_readings = Vec::new();
+        for word in words {
+            count(word, &mut no_readings);
+        }
+        Some(Rows { readings, angles_deg: Vec::new(), no_readings, began: None, of_day: false })
     }
 
     /// The readings, and what stood where there was none, each word with how often.

@@ -222,21 +222,26 @@ impl Machine {
         mounting: &Mounting,
         position_mm: &Vector3<f64>,
     ) -> Vector3<f64> {
-        let side = self.topology().side(axis);
+        self.levers_mm(mounting, position_mm)[axis.index()]
+    }
+
+    /// The levers of the X, Y and Z slides at a pose without errors, in `F`, mm: one walk along each side.
+    pub fn levers_mm(&self, mounting: &Mounting, position_mm: &Vector3<f64>) -> [Vector3<f64>; 3] {
         let tool_ball = self.last_frame_mm(Side::Tool, position_mm) + mounting.tool_ball_mm;
-        let mut pivot = Vector3::zeros();
-        for &slide in self.topology().slides(side) {
-            let (location, motion) = self.step_mm(slide, position_mm);
-            pivot += location;
-            if slide == axis {
-                if self.slide(axis).pivot == Pivot::Carriage {
-                    pivot += motion;
-                }
-                break;
+        let mut levers = [tool_ball; 3];
+        for side in [Side::Tool, Side::Workpiece] {
+            let mut origin = Vector3::zeros();
+            for &slide in self.topology().slides(side) {
+                let (location, motion) = self.step_mm(slide, position_mm);
+                let base = origin + location;
+                origin = base + motion;
+                levers[slide.index()] -= match self.slide(slide).pivot {
+                    Pivot::Carriage => origin,
+                    Pivot::Base => base,
+                };
             }
-            pivot += motion;
         }
-        tool_ball - pivot
+        levers
     }
 }
 

@@ -57,9 +57,10 @@ impl Situation {
         pose: &Pose,
         direction: Vector3<f64>,
     ) -> Self {
+        let levers_mm = machine.levers_mm(mounting, &pose.position_mm);
         let slides = Axis::ALL.map(|axis| {
             let sign = machine.topology().side(axis).sign();
-            let lever = machine.lever_mm(axis, mounting, &pose.position_mm);
+            let lever = levers_mm[axis.index()];
             SlideGradient {
                 translation: sign * direction,
                 rotation_mm: sign * lever.cross(&direction),

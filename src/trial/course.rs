@@ -9,9 +9,11 @@ use crate::machine::Machine;
 use crate::nc::{Program, Reading, Source};
 use crate::plan::Test;
 
+/// The machine of the built-in test.
+const MACHINE: &str = include_str!("../../machines/hu40t.toml");
 /// The built-in test: the 3D6 of the sample measurements.
 const TEST: &str = r#"name = "Blind trial"
-machine = "hu40t.toml"
+machine = "machine.toml"
 
 [ball_bar]
 length_mm = 150.0
@@ -80,6 +82,15 @@ pub struct Course {
     pub programs: Vec<CourseProgram>,
     /// The runs, in the order of their repeats.
     pub runs: Vec<CourseRun>,
+    /// Of the built-in campaign: the texts of its files.
+    pub(super) texts: Option<Texts>,
+}
+
+/// Files that hold the machine and the test, without its runs.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Texts {
+    pub(super) machine_toml: &'static str,
+    pub(super) test_toml: &'static str,
 }
 
 impl Course {
@@ -88,8 +99,7 @@ impl Course {
     /// # Errors
     /// When a program does not read back as it was planned.
     pub fn built_in() -> Result<Self> {
-        let machine =
-            Machine::parse(include_str!("../../machines/hu40t.toml"), Path::new("hu40t.toml"))?;
+        let machine = Machine::parse(MACHINE, Path::new("hu40t.toml"))?;
         let test = Test::parse(TEST, Path::new("blind.toml"))?;
         let mut programs = Vec::new();
         let mut runs: Vec<CourseRun> = Vec::new();
@@ -109,7 +119,8 @@ impl Course {
                 });
             }
         }
-        Ok(Self { test, machine, programs, runs })
+        let texts = Some(Texts { machine_toml: MACHINE, test_toml: TEST });
+        Ok(Self { test, machine, programs, runs, texts })
     }
 
     /// The runs of a test file or, where it has none or `repeats` are asked for and it has a plan, the
@@ -160,7 +171,7 @@ impl Course {
             }
         }
         runs.sort_by_key(|run| run.repeat);
-        Ok(Self { test, machine, programs, runs })
+        Ok(Self { test, machine, programs, runs, texts: None })
     }
 
     /// Runs that are identified together, by index.

@@ -17,11 +17,14 @@
 //! **Not hidden**, because the terms of the trial do not see them or absorb them: the calibrated length of
 //! the bar, the feed override, the clock, the place of the balls, the pivots, single coefficients.
 
+mod archive;
 mod chance;
 mod class;
 mod course;
+mod data_set;
 mod days;
 mod draw;
+mod files;
 mod grid;
 mod judge;
 mod one;
@@ -32,8 +35,10 @@ mod simulated;
 mod stage;
 mod table;
 
+pub use archive::{CampaignFiles, CampaignRow, campaigns_csv};
 pub use class::{Class, IN_GRID, REQUIRED};
 pub use course::{Course, CourseProgram, CourseRun};
+pub use data_set::Made;
 pub use draw::drawn;
 pub use grid::{Grid, table as grid_table};
 pub use judge::{Found, Judgement, Verdict};

@@ -3,11 +3,13 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 
+use super::archive::CampaignFiles;
 use super::chance::{Chance, Purpose};
 use super::class::Class;
 use super::course::Course;
 use super::days::{NOISE, days};
 use super::draw::{drawn, outside};
+use super::files::{files, hide};
 use super::one::{Drawn, Outcome, trial};
 use super::request::Request;
 use super::stage::Stage;
@@ -69,15 +71,38 @@ impl Session {
         let one = |request| Ok(trial(&self.stage, &self.course, self.drawn(request)?, false));
         side_by_side(requests, &one, finished)
     }
+
+    /// The campaigns of trials as files, handed to `taken` as they are made: where nothing of its size can be hidden, the
+    /// error of it. What it made of them stands in the order of the requests.
+    ///
+    /// # Errors
+    /// When the course is not the built-in one, and what `taken` fails with.
+    pub fn campaigns<T: Send>(
+        &self,
+        requests: &[Request],
+        taken: &(dyn Fn(Request, Result<CampaignFiles>) -> Result<T> + Sync),
+    ) -> Result<Vec<T>> {
+        let texts = self.course.texts.ok_or_else(|| {
+            Error::input("only campaigns of the built-in test are written as files")
+                .hint("`ballbar simulate TEST --hide EFFECT` writes logs of a test of yours")
+        })?;
+        let made = |request| {
+            let Drawn { size_mm, hidden, mut days, .. } = self.drawn(request)?;
+            let hidden = hide(hidden, &mut days)?;
+            let files = files(&self.course, texts.test_toml, texts.machine_toml, &days)?;
+            Ok(CampaignFiles { request, size_mm, hidden, strata: Vec::new(), files })
+        };
+        side_by_side(requests, &|request| taken(request, made(request)), &|_| ())
+    }
 }
 
 /// Trials side by side, as many as there are threads, each on one of them; the outcomes stand in the order of the
 /// requests.
-pub(super) fn side_by_side(
+pub(super) fn side_by_side<T: Send>(
     requests: &[Request],
-    one: &(dyn Fn(Request) -> Result<Outcome> + Sync),
-    finished: &(dyn Fn(&Outcome) + Sync),
-) -> Result<Vec<Outcome>> {
+    one: &(dyn Fn(Request) -> Result<T> + Sync),
+    finished: &(dyn Fn(&T) + Sync),
+) -> Result<Vec<T>> {
     let next = AtomicUsize::new(0);
     let (sender, receiver) = mpsc::channel();
     let threads = rayon::current_num_threads().min(requests.len()).max(1);
@@ -107,7 +132,7 @@ pub(super) fn side_by_side(
         }
     });
     drop(sender);
-    let mut outcomes: Vec<(usize, Result<Outcome>)> = receiver.into_iter().collect();
+    let mut outcomes: Vec<(usize, Result<T>)> = receiver.into_iter().collect();
     outcomes.sort_by_key(|(index, _)| *index);
     outcomes.into_iter().map(|(_, outcome)| outcome).collect()
 }

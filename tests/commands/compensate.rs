@@ -279,6 +279,18 @@ fn what_cannot_be_compensated_is_refused() {
     assert!(lost.iter().any(|lost| lost.contains("no table is left")), "{lost:?}");
     assert!(lost.iter().any(|lost| lost.contains("too few points")), "{lost:?}");
 
+    // So it is told of LinuxCNC and ISG, too, and nothing where there are enough.
+    for control in [Control::Linuxcnc, Control::Isg] {
+        let few = |more: &[&str]| {
+            let (told, _) = compensated(&work, control, more);
+            let lost = told["lost"].as_array().unwrap().iter();
+            let about = lost.filter(|lost| lost.as_str().unwrap().contains("too few points for"));
+            about.count()
+        };
+        assert_eq!(few(&["--points", "5"]), 3, "{}", control.name());
+        assert_eq!(few(&[]), 0, "{}", control.name());
+    }
+
     // Errors a hundred times as large are none that a table should hide.
     let mut read = Analysed::read(&work.path("base/analysis.json"), None).unwrap();
     let asked = |errors: &ErrorModel| Compensating {

@@ -39,7 +39,7 @@ pub(super) fn write(wanted: &Wanted, limits: &Limits) -> Result<Written> {
             let travel = wanted.machine().slide(axis).travel_mm;
             let points = even(axis, travel, wanted.range_mm(axis), limits)?;
             if points.coarse {
-                written.lost.push(coarse(axis, &points));
+                written.lost.push(coarse(axis, points.step_mm));
             }
             let first = (points.at_mm[0] / points.step_mm).round();
             let count = points.at_mm.len();

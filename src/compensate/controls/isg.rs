@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 
 use super::asked::{Limits, Named, Written};
 use super::lines::{lines, whole};
-use super::points::even;
+use super::points::{coarse, even};
 use crate::compensate::tables::{SlideTable, Tables};
 use crate::compensate::wanted::Wanted;
 use crate::error::Result;
@@ -43,13 +43,18 @@ pub(super) fn write(wanted: &Wanted, limits: &Limits) -> Result<Written> {
         };
         let _ = writeln!(text, "// {axis} {side}; its angles {pivot}");
     }
+    let mut lost = Vec::new();
     for axis in Axis::ALL {
         if axis != Axis::X {
             text.push_str("#\n");
         }
         let _ = writeln!(text, "{}", names(axis));
         let travel = machine.slide(axis).travel_mm;
-        let mut at_mm = even(axis, travel, wanted.range_mm(axis), limits)?.at_mm;
+        let points = even(axis, travel, wanted.range_mm(axis), limits)?;
+        if points.coarse {
+            lost.push(coarse(axis, points.step_mm));
+        }
+        let mut at_mm = points.at_mm;
         at_mm.extend(wanted.range_mm(axis));
         at_mm.sort_by(f64::total_cmp);
         at_mm.dedup_by(|a, b| (*a - *b).abs() < SAME_MM);
@@ -91,7 +96,7 @@ pub(super) fn write(wanted: &Wanted, limits: &Limits) -> Result<Written> {
         unsure: vec![
             "About which point the kernel turns an angle of a slide, and in which sense it counts a slide that carries the workpiece, was not found: check one point of each slide, far from the middle in the other two.".into(),
         ],
-        lost: Vec::new(),
+        lost,
     })
 }
 

@@ -8,6 +8,7 @@ use std::fmt::Write as _;
 
 use super::asked::{Limits, Named, SMALLEST_MM, Written};
 use super::lines::{lines, whole};
+use super::points::{ENOUGH, coarse};
 use crate::compensate::tables::{Column, Tables, Ways};
 use crate::compensate::wanted::Wanted;
 use crate::error::Result;
@@ -48,7 +49,10 @@ pub(super) fn write(wanted: &Wanted, limits: &Limits) -> Written {
         // Beyond its ends a table holds.
         let step_mm = limits.step_mm.unwrap_or((high - low) / 40.0).max(1e-3);
         let parts = ((high - low) / step_mm).ceil().clamp(1.0, most as f64 - 1.0);
-        if limits.step_mm.is_some_and(|step_mm| (high - low) / step_mm > most as f64) {
+        if limits.step_mm.is_none() && parts < ENOUGH {
+            written.lost.push(coarse(axis, (high - low) / parts));
+        }
+        if limits.step_mm.is_some_and(|step_mm| ((high - low) / step_mm).ceil() > parts) {
             written.lost.push(format!(
                 "the points of {axis} are {:.3} mm apart, not {step_mm} mm: a file has {most} lines at the most",
                 (high - low) / parts

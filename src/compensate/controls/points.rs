@@ -14,6 +14,9 @@ fn usual_mm(step_mm: f64) -> f64 {
     of_decade.chain([10.0 * decade]).find(|step| *step >= step_mm * (1.0 - 1e-9)).unwrap_or(step_mm)
 }
 
+/// So many steps over what was measured follow any error that was.
+pub(super) const ENOUGH: f64 = 20.0;
+
 /// Multiples of a step within a travel, their step, and whether it is larger than it should be.
 pub(super) struct Even {
     pub(super) at_mm: Vec<f64>,
@@ -32,7 +35,7 @@ pub(super) fn even(
     limits: &Limits,
 ) -> Result<Even> {
     let most = limits.most_points.max(2);
-    let fine_mm = usual_mm(((measured_mm[1] - measured_mm[0]) / 20.0).max(1.0));
+    let fine_mm = usual_mm(((measured_mm[1] - measured_mm[0]) / ENOUGH).max(1.0));
     let needed = |step_mm: f64| {
         let (first, last) = (first(low_mm, step_mm), last(high_mm, step_mm));
         (last - first + 1.0).max(0.0)
@@ -67,9 +70,9 @@ fn last(high_mm: f64, step_mm: f64) -> f64 {
 }
 
 /// What is told of points that are too few.
-pub(super) fn coarse(axis: Axis, even: &Even) -> String {
+pub(super) fn coarse(axis: Axis, step_mm: f64) -> String {
     format!(
         "the control has too few points for {axis}: they are {} mm apart, and a twentieth of what was measured would be less",
-        even.step_mm
+        (step_mm * 1e3).round() * 1e-3
     )
 }

@@ -44,7 +44,7 @@ pub(super) fn write(wanted: &Wanted, limits: &Limits) -> Result<Written> {
         let travel = wanted.machine().slide(axis).travel_mm;
         let points = even(axis, travel, wanted.range_mm(axis), limits)?;
         if points.coarse {
-            written.lost.push(coarse(axis, &points));
+            written.lost.push(coarse(axis, points.step_mm));
         }
         for (k, at) in points.at_mm.iter().enumerate() {
             let _ = writeln!(lec, "$AA_ENC_COMP[0,{k},{axis}1]={:.5}", of(*at) + 0.0);
@@ -88,7 +88,7 @@ fn crossed(wanted: &Wanted, limits: &Limits, written: &mut Written) -> Result<St
         let measured = wanted.range_mm(pair.over);
         let points = even(pair.over, measured, measured, limits)?;
         if points.coarse {
-            written.lost.push(coarse(pair.over, &points));
+            written.lost.push(coarse(pair.over, points.step_mm));
         }
         for (ways, sense) in pair.ways.into_iter().flatten() {
             let number = limits.most_tables - left;

@@ -135,5 +135,5 @@ pub(super) fn course(factors: &Factors, chance: &mut Chance) -> Result<(Course, 
         }));
     }
     let programs = programs.into_iter().map(|(_, program)| program).collect();
-    Ok((Course { test: test_of_first, machine, programs, runs }, text))
+    Ok((Course { test: test_of_first, machine, programs, runs, texts: None }, text))
 }

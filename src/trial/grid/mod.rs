@@ -6,15 +6,16 @@
 mod course;
 mod days;
 mod factors;
-mod files;
 mod table;
 
 use std::collections::BTreeMap;
 
+use super::archive::CampaignFiles;
 use super::chance::{Chance, Purpose};
 use super::class::Class;
 use super::course::Course;
 use super::draw::{drawn, outside};
+use super::files::{files, hide};
 use super::one::{Drawn, Outcome, trial};
 use super::request::Request;
 use super::session::side_by_side;
@@ -59,15 +60,25 @@ impl Grid {
         of_grid: &mut Chance,
         keep: bool,
     ) -> Result<Outcome> {
-        let Request { class, index } = request;
-        let chance = |purpose| Chance::new(self.seed, class, index, purpose);
         let Campaign { course, days, .. } = self.campaign(request, factors, of_grid)?;
+        let (stage, drawn) = self.drawn(request, factors, &course, days)?;
+        Ok(trial(&stage, &course, drawn, keep))
+    }
+
+    /// What is hidden in a campaign, and on what its sizes were worked out.
+    fn drawn(
+        &self,
+        Request { class, index }: Request,
+        factors: &Factors,
+        course: &Course,
+        days: Vec<Scenario>,
+    ) -> Result<(Stage, Drawn)> {
         let mut planned = days.clone();
         for day in &mut planned {
             day.control = Control::AS_PLANNED;
             day.sample_rate_hz = day.sample_rate_hz.map(|rate_hz| rate_hz.min(STAGE_HZ));
         }
-        let stage = Stage::of(&course, planned, true)?;
+        let stage = Stage::of(course, planned, true)?;
         let noise_mm = factors.noise_mm();
         let size_mm = self.size_mm.unwrap_or(match class {
             Class::Single | Class::Two | Class::Outside => SIZE_MM.max(TIMES_NOISE * noise_mm),
@@ -77,10 +88,9 @@ impl Grid {
         let true_too = true_too(factors);
         let mut causes = if class == Class::Outside { outside() } else { drawn() };
         causes.retain(|cause| !true_too.contains(&cause.id));
-        let mut of_effects = chance(Purpose::Effects);
-        let hidden = stage.drawn(&course, &causes, class.effects(), size_mm, &mut of_effects)?;
-        let drawn = Drawn { class, index, size_mm, hidden, days, true_too };
-        Ok(trial(&stage, &course, drawn, keep))
+        let mut of_effects = Chance::new(self.seed, class, index, Purpose::Effects);
+        let hidden = stage.drawn(course, &causes, class.effects(), size_mm, &mut of_effects)?;
+        Ok((stage, Drawn { class, index, size_mm, hidden, days, true_too }))
     }
 
     fn campaign(
@@ -95,25 +105,37 @@ impl Grid {
         Ok(Campaign { course, test_toml, days })
     }
 
-    /// The files of a trial, by name, as if it had been measured: machine, test, programs, logs, and what is true.
+    /// A trial as if it had been measured: machine, test, programs, logs, and what is true.
     ///
     /// # Errors
     /// When no effect of its size can be hidden.
-    pub fn files(&self, request: Request) -> Result<Vec<(String, String)>> {
+    pub fn files(&self, request: Request) -> Result<CampaignFiles> {
         let mut chance = Chance::new(self.seed, request.class, request.index, Purpose::Grid);
         let factors = Factors::drawn(&mut chance);
-        let hidden = match request.class {
-            Class::None => Vec::new(),
-            _ => self.outcome(request, &factors, &mut chance.clone(), false)?.hidden,
-        };
         let Campaign { course, test_toml, mut days } =
             self.campaign(request, &factors, &mut chance)?;
-        for day in &mut days {
-            for (effect, _) in &hidden {
-                day.hide(effect.clone())?;
-            }
+        let (mut size_mm, mut hidden) = (0.0, Vec::new());
+        if request.class != Class::None {
+            let drawn = self.drawn(request, &factors, &course, days)?.1;
+            size_mm = drawn.size_mm;
+            days = drawn.days;
+            hidden = hide(drawn.hidden, &mut days)?;
         }
-        files::files(&course, &test_toml, course::machine_toml(factors.make), &days)
+        let files = files(&course, &test_toml, course::machine_toml(factors.make), &days)?;
+        Ok(CampaignFiles { request, size_mm, hidden, strata: factors.strata(), files })
+    }
+
+    /// The campaigns of trials as files, handed to `taken` as they are made: where nothing of its size can be hidden, the
+    /// error of it. What it made of them stands in the order of the requests.
+    ///
+    /// # Errors
+    /// What `taken` fails with.
+    pub fn campaigns<T: Send>(
+        &self,
+        requests: &[Request],
+        taken: &(dyn Fn(Request, Result<CampaignFiles>) -> Result<T> + Sync),
+    ) -> Result<Vec<T>> {
+        side_by_side(requests, &|request| taken(request, self.files(request)), &|_| ())
     }
 
     /// Does trials, as many at a time as there are threads; `finished` is called after each.

@@ -2,10 +2,25 @@
 
 use std::fmt::Write as _;
 
+use super::course::Course;
+use super::simulated::simulate_all;
+use super::stage::Trace;
 use crate::error::Result;
+use crate::model::Effect;
 use crate::simulate::{Scenario, TrueRun, at_the_place, truth_toml};
-use crate::trial::course::Course;
-use crate::trial::simulated::simulate_all;
+
+/// Hides on all days what was drawn; gives it with the share of its rms outside of the model.
+pub(super) fn hide(
+    hidden: Vec<(Effect, Trace)>,
+    days: &mut [Scenario],
+) -> Result<Vec<(Effect, f64)>> {
+    for day in days {
+        for (effect, _) in &hidden {
+            day.hide(effect.clone())?;
+        }
+    }
+    Ok(hidden.into_iter().map(|(effect, trace)| (effect, trace.share())).collect())
+}
 
 /// Name and text of every file.
 pub(super) fn files(
