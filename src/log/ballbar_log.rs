@@ -160,7 +160,7 @@ fn is_same(own_mm: f64, stated_mm: f64) -> bool {
 }
 
 /// The axes of a plane, in the order in which G17, G18 and G19 count their angles.
-pub(super) fn plane_of(name: &str) -> Option<[usize; 2]> {
+pub(crate) fn plane_of(name: &str) -> Option<[usize; 2]> {
     match name.trim().to_uppercase().as_str() {
         "XY" | "YX" => Some([0, 1]),
         "YZ" | "ZY" => Some([1, 2]),

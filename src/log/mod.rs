@@ -53,6 +53,7 @@ pub use crate::plan::log_format::{
     TextEncoding, TimeColumn, TimeUnit,
 };
 pub use b5r::{BallbarFile, BarRun, Feature};
+pub(crate) use ballbar_log::plane_of;
 pub use by_angle::{Angles, ByAngle, Said, Turn};
 pub use content::{Content, Layout, Table, Written};
 pub use read::{log_of, look_into, read, read_bytes};

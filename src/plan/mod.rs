@@ -38,6 +38,7 @@ pub use planar::{Planar, Planes};
 pub use plane::Plane;
 pub(crate) use raw::CORRELATIONS_S;
 pub(crate) use raw_feeds::FEEDS_MM_MIN;
+pub(crate) use raw_log::ARCS_DEG;
 pub(crate) use raw_mounting::LENGTHS_MM;
 pub use record::{Record, Warmth};
 pub use step::{Circular, Step};
