@@ -5,7 +5,7 @@ use std::path::Path;
 use super::results::path_from;
 use crate::error::{Error, Place, Result};
 use crate::log::{self, Angles, BallbarFile, ByAngle, Content, Format, LengthUnit};
-use crate::plan::Planes;
+use crate::plan::{LENGTHS_MM, Planes};
 use crate::start::{Measured, TestKind};
 
 /// What the user says of the file.
@@ -60,6 +60,13 @@ impl Found {
             stated_unit: stated.unit,
             ..Format::default()
         };
+        let [shortest, longest] = LENGTHS_MM;
+        if let Some(mm) = found.nominal_length_mm.filter(|mm| !(shortest..=longest).contains(mm)) {
+            return refused(
+                format!("the file is of a bar of {mm} mm, and a bar has {shortest} to {longest}"),
+                "take the file as Ballbar 20 wrote it",
+            );
+        }
         let log = log::log_of(&found, file, &format).map_err(in_options)?;
         let by_angle = log.by_angle();
         let ways = [true, false].map(|way| {

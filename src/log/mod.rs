@@ -23,6 +23,7 @@ mod b5r;
 #[cfg(test)]
 #[allow(clippy::float_cmp)] // what is read is exact or wrong
 mod b5r_tests;
+mod ballbar_feed;
 mod ballbar_log;
 mod by_angle;
 mod clock;
@@ -30,6 +31,7 @@ mod columns;
 mod content;
 mod day;
 mod encoding;
+mod listed;
 mod number;
 mod read;
 mod reading;
