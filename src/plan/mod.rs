@@ -4,6 +4,8 @@
 //! on the sphere: polar angle from the tool axis Z, azimuth from X towards Y.
 
 mod arc;
+#[cfg(test)]
+mod bounds_tests;
 mod clearance;
 mod design_request;
 mod leg;
