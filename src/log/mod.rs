@@ -41,6 +41,7 @@ mod table;
 #[allow(clippy::float_cmp)] // what is read is exact or wrong
 mod tests;
 mod text;
+mod unit_line;
 #[cfg(test)]
 #[allow(clippy::float_cmp)] // what is read is exact or wrong
 mod variants;
@@ -57,6 +58,7 @@ pub use crate::plan::log_format::{
 pub use b5r::{BallbarFile, BarRun, Feature};
 pub(crate) use ballbar_log::plane_of;
 pub use by_angle::{Angles, ByAngle, Said, Turn};
+pub(crate) use columns::lines_for_the_test;
 pub use content::{Content, Layout, Table, Written};
 pub use read::{log_of, look_into, read, read_bytes};
 pub use reading::{Log, Reading};
