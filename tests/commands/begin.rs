@@ -81,6 +81,11 @@ fn what_was_not_given_is_told_and_what_was_given_is_taken() {
 /// Of a plane of Ballbar 20 in the order of driving, the CCW run second; readings are eccentric, X is 60 um/m too long, and
 /// the axes are 80 um/m out of square.
 fn measured_plane(plane: &str, name: &str, arc_deg: f64, um: bool) -> String {
+    measured_at(1800, plane, name, arc_deg, um)
+}
+
+/// The same with so many readings a run.
+fn measured_at(count: u32, plane: &str, name: &str, arc_deg: f64, um: bool) -> String {
     let mut text = format!(
         "<TEST><TEST_SPEC NAME=\"{name}\"/><NOMINAL_LENGTH>150</NOMINAL_LENGTH><PROGRAMMED_FEEDRATE>1500</PROGRAMMED_FEEDRATE>\
          <PLANE TEST_PLANE=\"{plane}\"/><MACHINE_TESTED NAME=\"DMU 50\"/><DATE_STARTED>20251218-194332</DATE_STARTED>"
@@ -88,8 +93,8 @@ fn measured_plane(plane: &str, name: &str, arc_deg: f64, um: bool) -> String {
     let begins = if arc_deg < 360.0 { 90.0 - 0.5 * arc_deg } else { 0.0 };
     for direction in ["CW", "CCW"] {
         write!(text, "<BALLBAR_RUN><RUN_DIRECTION>{direction}</RUN_DIRECTION><READINGS>").unwrap();
-        for k in 0..1800 {
-            let along = arc_deg * (f64::from(k) + 0.5) / 1800.0;
+        for k in 0..count {
+            let along = arc_deg * (f64::from(k) + 0.5) / f64::from(count);
             let angle = begins + if direction == "CW" { arc_deg - along } else { along };
             let (sin, cos) = angle.to_radians().sin_cos();
             let um_read = 7.0 * cos - 4.0 * sin + 150e-3 * (60.0 * cos * cos + 80.0 * cos * sin);
@@ -137,6 +142,31 @@ fn what_ballbar_20_measured_is_analysed_with_two_commands() {
         let shorter = quantity(&format!("scale {second}"))[0];
         assert!((longer - shorter - 60.0).abs() < 3.0 * all, "{plane}: {longer} {shorter} {all}");
     }
+}
+
+/// Fewer readings than the model has numbers: what is plausible determines the others, and *all* says so.
+#[test]
+fn a_few_readings_are_enough_where_the_rest_is_plausible() {
+    let work = Work::new();
+    work.write("few.b5r", measured_at(36, "XY", "XY 360 grad", 360.0, false));
+    work.ballbar(&["init", "few", "--from", "few.b5r"]).done();
+    let json = work.ballbar(&["identify", "few/test.toml", "--json"]).done().stdout();
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let all = json["at_the_place"].as_array().unwrap();
+    let squareness = all.iter().find(|of| of["quantity"] == "squareness XY").unwrap();
+    let [value, all] = [&squareness["value"], &squareness["all"]].map(|of| of.as_f64().unwrap());
+    assert!((value.abs() - 80.0).abs() < 3.0 * all, "{value} +- {all}");
+    // One run of 30 leaves nothing for the noise.
+    let one = measured_at(30, "XY", "XY 360 grad", 360.0, false);
+    let end = one.find("</BALLBAR_RUN>").unwrap() + "</BALLBAR_RUN>".len();
+    work.write("one.b5r", format!("{}</TEST>", &one[..end]));
+    work.ballbar(&["init", "one", "--from", "one.b5r"]).done();
+    let refused = work.ballbar(&["identify", "one/test.toml"]);
+    assert!(
+        refused.stderr().contains("30 samples on arcs cannot determine"),
+        "{}",
+        refused.stderr()
+    );
 }
 
 #[test]
