@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stdout)]
 
 mod begin;
+mod blind;
 mod check;
 mod circular;
 mod compensate;
