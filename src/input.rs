@@ -21,7 +21,7 @@ pub(crate) fn read(file: &Path, what: &str) -> Result<Vec<u8>> {
     Ok(plain.unwrap_or(bytes))
 }
 
-/// The content of a TOML file. It is small: ten thousand arcs have a megabyte, and what is read takes a hundred times
+/// The content of a TOML file. It is small: a thousand arcs have a tenth of a megabyte, and what is read takes a hundred times
 /// its size.
 pub(crate) fn read_small(file: &Path, what: &str) -> Result<Vec<u8>> {
     let bytes = read(file, what)?;

@@ -69,6 +69,24 @@ impl Text<'_> {
             .hint("give a number within these bounds, in the unit at the end of the key"))
     }
 
+    /// Refuses a list with more entries than a bound; `extra` is where the first one beyond it stands.
+    pub(crate) fn at_most(
+        &self,
+        count: usize,
+        most: usize,
+        what: &str,
+        extra: Option<Range<usize>>,
+        hint: &str,
+    ) -> Result<()> {
+        if count <= most {
+            return Ok(());
+        }
+        let place = extra.map_or_else(|| Place::file(self.file), |span| self.place(span));
+        Err(Error::input(format!("the file has {count} {what}, and {most} are the most"))
+            .at(place)
+            .hint(hint.to_owned()))
+    }
+
     /// A place or a way on a machine: three numbers, none of them beyond [`FARTHEST_MM`].
     pub(crate) fn finite_vector(
         &self,

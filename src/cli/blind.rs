@@ -1,6 +1,7 @@
 //! `ballbar blind`: the standing trial.
 
 use std::fmt::Write as _;
+use std::io::IsTerminal as _;
 use std::path::PathBuf;
 use std::sync::Mutex;
 
@@ -63,7 +64,7 @@ pub(super) struct Arguments {
     /// Size of every hidden effect, um rms outside of the model, instead of that of its class
     #[arg(long, value_name = "UM", value_parser = size_um)]
     size: Option<f64>,
-    /// A line for each trial
+    /// A line for each trial, as it ends; with --json on stderr
     #[arg(long)]
     list: bool,
     /// Do one trial again and print all that was found
@@ -163,12 +164,21 @@ impl Arguments {
     ) -> Result<Vec<Outcome>> {
         let progress = talk.progress(requests.len(), "trials");
         let listed = self.list && !common.json;
+        if !std::io::stderr().is_terminal() {
+            // Hundreds of trials take an hour, and a bar is drawn on terminals alone.
+            talk.say(&format!("{} trials, some seconds each", requests.len()));
+        }
         let lines = Mutex::new(InOrder { requests, ready: Vec::new(), told: 0 });
         let outcomes = run(&|outcome| {
-            if let (true, Ok(mut lines)) = (listed, lines.lock()) {
+            if let (true, Ok(mut lines)) = (self.list, lines.lock()) {
                 let due = lines.with(outcome);
-                // What cannot be written will be told with the table.
-                progress.suspend(|| output::print(&due)).ok();
+                if listed {
+                    // What cannot be written will be told with the table.
+                    progress.suspend(|| output::print(&due)).ok();
+                } else if !due.is_empty() {
+                    // The standard output is for the JSON of all.
+                    progress.suspend(|| talk.say(due.trim_end()));
+                }
             }
             progress.inc(1);
         });

@@ -8,11 +8,13 @@ use serde_json::json;
 
 use super::ask::Ask;
 use super::common::Common;
+use super::init_from::{Found, Stated};
 use super::output::{self, Talk};
 use super::results::Files;
 use crate::error::{Error, Result};
+use crate::log::LengthUnit;
 use crate::machine::{Axis, Builtin, Dialect, Topology};
-use crate::plan::{FEEDS_MM_MIN, LENGTHS_MM};
+use crate::plan::{ARCS_DEG, FEEDS_MM_MIN, LENGTHS_MM};
 use crate::start::{Begun, TestKind, Travel, Wish, Zero};
 
 /// Begin: write a machine file and a test file that can be planned at once
@@ -20,12 +22,16 @@ use crate::start::{Begun, TestKind, Travel, Wish, Zero};
 /// On a terminal it asks for what is not given, with a default for everything; elsewhere it takes the defaults and says
 /// which. Every key in the files has a comment. The balls are put where the test fits into the travel. Nothing that is
 /// there already is replaced.
+///
+/// With `--from` a .b5r that Ballbar 20 saved says plane, arc, bar, feed and machine; the test file names it, and a
+/// program that drives the same is written beside.
 #[derive(Args)]
 #[command(after_help = "Examples:
   ballbar init                                      asks, and writes to this directory
   ballbar init vmc --machine vertical --test xy
   ballbar init vmc --topology wXYFZSt --travel=-762..0,-406..0,-508..0 --test iso230-4
   ballbar init hmc --machine horizontal --travel 560,560,600 --zero middle --test 3d6
+  ballbar init monday --machine vertical --from monday.b5r && ballbar analyse monday/test.toml
 
 Machines: `ballbar machines` lists those that are built in.
 Tests: xy, yz, zx (a plane), iso230-4 (three planes), 2d, 3d5, 3d6, 3d10 (the sphere), design (let `ballbar design` choose).")]
@@ -63,6 +69,15 @@ pub(super) struct Arguments {
     /// Feed, mm/min
     #[arg(long, value_name = "MM_MIN", allow_hyphen_values = true, value_parser = told(feed_mm_min))]
     feed: Option<f64>,
+    /// A .b5r that was measured already
+    #[arg(long, value_name = "FILE")]
+    from: Option<PathBuf>,
+    /// How much of each arc its readings stand on, degrees, where neither its name nor that of its test says it
+    #[arg(long, value_name = "DEG", requires = "from", allow_hyphen_values = true, value_parser = told(arc_deg))]
+    arc: Option<f64>,
+    /// The unit of its readings, mm or um, where their size and circularity do not tell
+    #[arg(long, value_name = "UNIT", requires = "from", value_parser = told(unit_of))]
+    unit: Option<LengthUnit>,
     /// Do not ask, also on a terminal
     #[arg(long)]
     defaults: bool,
@@ -122,6 +137,18 @@ fn tool_mm(text: &str) -> Result<f64> {
     )
 }
 
+fn arc_deg(text: &str) -> Result<f64> {
+    within(text, ARCS_DEG, "the degrees of the arc without its overshoot, such as 220")
+}
+
+fn unit_of(text: &str) -> Result<LengthUnit> {
+    let known = LengthUnit::parse(text.trim());
+    known.ok_or_else(|| {
+        Error::input(format!("unknown unit `{text}`"))
+            .hint(format!("write one of `{}`", LengthUnit::NAMES.join("`, `")))
+    })
+}
+
 fn feed_mm_min(text: &str) -> Result<f64> {
     within(text, FEEDS_MM_MIN, "the feed in mm/min, such as 1000")
 }
@@ -174,12 +201,16 @@ impl Arguments {
         let person = input.is_terminal() && shown.is_terminal() && !self.defaults && !common.json;
         let ask = person.then_some(Ask { input: &mut input, output: &mut shown });
         let mut answers = Answers { ask, taken: Taken::default() };
-        let wish = self.wish(&mut answers)?;
+        let found = self.found(folder)?;
+        let wish = self.wish(found.as_ref(), &mut answers)?;
         let taken = answers.taken;
         let begun = Begun::new(&wish, folder)?;
         let mut files = Files::kept(folder);
         files.add(Begun::MACHINE, begun.machine_text.clone());
         files.add(Begun::TEST, begun.test_text.clone());
+        if let Some((file, text)) = &begun.program {
+            files.add(file, text.clone());
+        }
         let written = files.write()?;
         if common.json {
             let names: Vec<_> =
@@ -189,10 +220,20 @@ impl Arguments {
                 .into_iter()
                 .map(|(option, value)| (option.to_owned(), value.into()))
                 .collect();
-            return output::print_json("init", json!({ "files": names, "defaults": taken }));
+            let said = found.as_ref().map(|found| {
+                json!({ "words": found.words(), "notes": found.notes, "log": found.measured.log })
+            });
+            let told = json!({ "files": names, "defaults": taken, "from": said });
+            return output::print_json("init", told);
         }
         for file in &written.files {
             output::print(&format!("{}\n", file.display()))?;
+        }
+        if let Some(found) = &found {
+            talk.say(&format!("the file says: {}", found.words()));
+            for note in &found.notes {
+                talk.say(&format!("caution: {note}"));
+            }
         }
         if !taken.0.is_empty() {
             let list: Vec<_> =
@@ -206,12 +247,31 @@ impl Arguments {
             mounting.bar_length_mm, place.x, place.y, place.z
         ));
         let test = folder.join(Begun::TEST);
-        let next = if wish.test == TestKind::Design { "design" } else { "plan" };
+        let next = match wish.test {
+            _ if found.is_some() => "analyse",
+            TestKind::Design => "design",
+            TestKind::Planes(_) | TestKind::Sphere(_) => "plan",
+        };
         talk.say(&format!("next: ballbar {next} {}", output::typed(&test)));
         Ok(())
     }
 
-    fn wish(&self, answers: &mut Answers<'_>) -> Result<Wish> {
+    /// What the measured file says.
+    fn found(&self, folder: &Path) -> Result<Option<Found>> {
+        let stated = Stated { test: self.test, arc_deg: self.arc, unit: self.unit };
+        self.from.as_deref().map(|file| Found::read(file, folder, &stated)).transpose()
+    }
+
+    fn wish(&self, found: Option<&Found>, answers: &mut Answers<'_>) -> Result<Wish> {
+        // What a file says, within bounds, counts like an option; an option counts more.
+        let among = |value: Option<f64>, [low, high]: [f64; 2]| {
+            value.filter(|value| (low..=high).contains(value))
+        };
+        let name = found.and_then(|found| name_of(found.machine.as_deref()?).ok());
+        let name = self.name.clone().or(name);
+        let length_mm = self.bar.or_else(|| among(found?.bar_mm, LENGTHS_MM));
+        let feed = self.feed.or_else(|| among(found?.feed_mm_min, FEEDS_MM_MIN));
+        let test = self.test.or(found.map(|found| found.test));
         let names = |names: &[&str]| names.join(", ");
         let question = format!("Machine like ({})", names(&Builtin::ALL.map(|b| b.name)));
         let machine = answers.get(
@@ -221,7 +281,7 @@ impl Arguments {
             Builtin::named,
         )?;
         let mut wish = Wish::of(machine, TestKind::Design)?;
-        wish.name = answers.get(("name", &self.name), "Its name", &wish.name, name_of)?;
+        wish.name = answers.get(("name", &name), "Its name", &wish.name, name_of)?;
         let question = "Its slides from the workpiece w over the frame F to the tool t";
         let default = wish.topology.as_str().to_owned();
         wish.topology =
@@ -233,19 +293,19 @@ impl Arguments {
         let question = "From the spindle nose to the centre of the tool ball, mm";
         wish.tool_mm =
             answers.get(("tool", &self.tool), question, &wish.tool_mm.to_string(), tool_mm)?;
-        if let Some(ask) = &mut answers.ask.as_mut().filter(|_| self.test.is_none()) {
+        if let Some(ask) = &mut answers.ask.as_mut().filter(|_| test.is_none()) {
             for kind in TestKind::all() {
                 // A terminal that has gone away is told by the question.
                 let _ = writeln!(ask.output, "  {:9} {}", kind.name(), kind.words());
             }
         }
-        wish.test = answers.get(("test", &self.test), "Test", "xy", TestKind::parse)?;
+        wish.test = answers.get(("test", &test), "Test", "xy", TestKind::parse)?;
         let bar = |text: &str| if text == FITTING { Ok(None) } else { bar_mm(text).map(Some) };
         wish.bar_mm =
-            answers.get(("bar", &self.bar.map(Some)), "Length of the bar, mm", FITTING, bar)?;
+            answers.get(("bar", &length_mm.map(Some)), "Length of the bar, mm", FITTING, bar)?;
         let default = wish.test.usual_feed_mm_min().to_string();
-        wish.feed_mm_min =
-            answers.get(("feed", &self.feed), "Feed, mm/min", &default, feed_mm_min)?;
+        wish.feed_mm_min = answers.get(("feed", &feed), "Feed, mm/min", &default, feed_mm_min)?;
+        wish.measured = found.map(|found| found.measured.clone());
         Ok(wish)
     }
 

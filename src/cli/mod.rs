@@ -23,6 +23,7 @@ mod estimate;
 mod history;
 mod identify;
 mod init;
+mod init_from;
 mod machines;
 mod manual;
 mod output;

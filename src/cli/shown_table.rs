@@ -6,7 +6,8 @@ use serde_json::{Value, json};
 
 use crate::align;
 use crate::log::{
-    Angles, Delimiter, Format, Layout, Log, ReadingKind, Table, TimeColumn, Turn, Written,
+    Angles, Delimiter, Layout, Log, ReadingKind, Table, TimeColumn, Turn, Written,
+    lines_for_the_test,
 };
 
 /// So many gaps are told one by one.
@@ -227,28 +228,6 @@ fn others(layout: &Layout) -> Vec<String> {
     let is_read = |name: &str| same(name, time) || same(name, &layout.format.reading.name);
     let others = layout.columns.iter().filter(|name| !name.is_empty() && !is_read(name));
     others.map(|name| format!("`{name}`")).collect()
-}
-
-/// The lines under `[log]` without which a test reads other columns.
-fn lines_for_the_test(format: &Format) -> Vec<String> {
-    let default = Format::default();
-    let line = |key: &str, name: &str| {
-        let mark = if name.contains(['"', '\\']) { '\'' } else { '"' };
-        format!("{key} = {mark}{}{mark}", name.trim())
-    };
-    let mut lines = Vec::new();
-    match &format.time {
-        TimeColumn::Named { name, .. } if format.time != default.time => {
-            lines.push(line("time_column", name));
-        }
-        TimeColumn::Named { .. } => {}
-        TimeColumn::Rate { hz } => lines.push(format!("sample_rate_hz = {hz:?}")),
-        TimeColumn::Angle { name } => lines.push(line("angle_column", name)),
-    }
-    if format.reading.name != default.reading.name {
-        lines.push(line("reading_column", &format.reading.name));
-    }
-    lines
 }
 
 /// Where an arc begins and ends, degrees.

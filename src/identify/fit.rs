@@ -11,6 +11,9 @@ use crate::model::{Model, ParameterId};
 use crate::solve::Loss;
 use crate::solve::{self, Bordered, BorderedCovariance, BorderedSolution, Solution, Unknowns};
 
+/// Readings that a fit needs where what is plausible determines the rest: those of a plane decide 16 numbers, and as many are
+/// left for the noise.
+const FEWEST_KNOWN: usize = 32;
 /// Neither a clock nor a feed is farther off than this, as a share of 1: beyond, a step has gone astray.
 const FARTHEST: f64 = 0.05;
 /// Slides that follow later than this do not hold a circle, s.
@@ -134,7 +137,11 @@ impl<'a> Fit<'a> {
             .flat_map(RunInput::samples)
             .filter(|s| matches!(s.part, Part::Arc(_)))
             .count();
-        if samples > 2 * self.columns.total() {
+        // What is plausible determines what the readings do not.
+        let open = self.state.plausible.iter().filter(|plausible| plausible.is_none()).count();
+        let least =
+            if self.state.knows() { FEWEST_KNOWN.max(2 * open) } else { 2 * self.columns.total() };
+        if samples > least {
             return Ok(());
         }
         Err(Error::new(

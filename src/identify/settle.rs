@@ -101,12 +101,7 @@ impl Fit<'_> {
                 let guard_s =
                     if wary || restless { WARY_S.max(detail.guard_s()) } else { detail.guard_s() };
                 held_s = if restless { guard_s } else { detail.guard_s() };
-                let chosen = apart(&self.runs, guard_s);
-                if wary || came_to_rest || steps <= CHOOSING_STEPS {
-                    self.state.apart = chosen;
-                } else {
-                    self.state.leave_out(&chosen);
-                }
+                self.choose(guard_s, wary || came_to_rest || steps <= CHOOSING_STEPS);
                 // Chosen by another rule they are other readings, and do not compare.
                 if was_wary != wary || steps <= CHOOSING_STEPS {
                     kept = None;
@@ -129,12 +124,12 @@ impl Fit<'_> {
                 // A time that steps over a vertex of the path comes back with the next step, and so for ever: less far.
                 self.stand_at(&stand);
                 let enough = if stand.near { MOST_HALVINGS } else { NO_WAY_DOWN };
-                if halvings >= enough && wary {
-                    (halvings, stuck) = (0, true);
-                    continue;
+                if halvings >= enough && !wary {
+                    return Ok(self.settled(stand, steps));
                 }
                 if halvings >= enough {
-                    return Ok(self.settled(stand, steps));
+                    (halvings, stuck) = (0, true);
+                    continue;
                 }
                 halvings += 1;
                 let share = 0.5_f64.powi(halvings);
@@ -142,7 +137,7 @@ impl Fit<'_> {
                 kept = Some(stand);
                 continue;
             }
-            let mut solution = self.solve(&rows)?;
+            let solution = self.solve(&rows)?;
             self.refuse_deficient(solution.shared())?;
             // While the times still move, nobody knows.
             if detail == timing::Detail::Full && !choosing && self.stop_at_once(solution.unknowns())
@@ -150,11 +145,7 @@ impl Fit<'_> {
                 kept = None;
                 continue;
             }
-            // What is held moves the others, and beyond their bounds maybe.
-            let mut held = Vec::new();
-            while let Some(bounded) = self.within_bounds(&rows, solution.unknowns(), &mut held)? {
-                solution = self.solve(&bounded)?;
-            }
+            let solution = self.held_within_bounds(&rows, solution)?;
             let step = solution.unknowns().clone();
             let change = rows.change(&step);
             // Rows are in units of the assumed noise: their rms corrects it.
@@ -199,6 +190,16 @@ impl Fit<'_> {
         Err(unsettled())
     }
 
+    /// Chooses which samples take part as times are now: all anew, or none that was left out before.
+    fn choose(&mut self, guard_s: f64, anew: bool) {
+        let chosen = apart(&self.runs, guard_s);
+        if anew {
+            self.state.apart = chosen;
+        } else {
+            self.state.leave_out(&chosen);
+        }
+    }
+
     /// Holds the slides of runs that would follow ahead of time, if they do not follow late already; whether any were
     /// not held before.
     fn stop_at_once(&mut self, step: &Unknowns) -> bool {
@@ -213,32 +214,34 @@ impl Fit<'_> {
         newly
     }
 
-    /// The rows with the steps that a time constant cannot take held at what it can, so that the others do not
-    /// answer to what does not happen, those `held` already among them; `None` where no others are beyond.
+    /// The solution with the steps that a time constant cannot take held at what it can, so that the others do not answer to
+    /// what does not happen. What is held moves those of other runs, and beyond their bounds maybe, until none is.
     ///
     /// No slide follows ahead of time. The effect of a time constant grows with its square: far away its slope is
     /// another one.
-    fn within_bounds(
+    fn held_within_bounds(
         &self,
         rows: &Bordered,
-        step: &Unknowns,
-        held: &mut Vec<(usize, usize, f64, f64)>,
-    ) -> Result<Option<Bordered>> {
-        let before = held.len();
-        for (index, run) in self.runs.iter().enumerate() {
-            let column = self.columns.following(index);
-            let step_s = step.own[index][column];
-            let least_s = (-run.alignment.time_map.following_s).max(-timing::STRIDE_S);
-            let beyond = step_s < least_s || step_s > timing::STRIDE_S;
-            if beyond && !held[..before].iter().any(|(held, ..)| *held == index) {
+        mut solution: BorderedSolution,
+    ) -> Result<BorderedSolution> {
+        let mut held: Vec<(usize, usize, f64, f64)> = Vec::new();
+        loop {
+            let before = held.len();
+            for (index, run) in self.runs.iter().enumerate() {
+                let column = self.columns.following(index);
+                let step_s = solution.unknowns().own[index][column];
+                let least_s = (-run.alignment.time_map.following_s).max(-timing::STRIDE_S);
                 let possible_s = step_s.clamp(least_s, timing::STRIDE_S);
-                held.push((index, column, possible_s, timing::AT_ONCE_S));
+                let held_before = held[..before].iter().any(|(held, ..)| *held == index);
+                if (possible_s - step_s).abs() > 0.0 && !held_before {
+                    held.push((index, column, possible_s, timing::AT_ONCE_S));
+                }
             }
+            if held.len() == before {
+                return Ok(solution);
+            }
+            solution = self.solve(&rows.with_priors(&held)?)?;
         }
-        if held.len() == before {
-            return Ok(None);
-        }
-        Ok(Some(rows.with_priors(held)?))
     }
 
     /// Program time of every sample as it is laid now, s.

@@ -82,6 +82,8 @@ const DEEPEST: usize = 64;
 const MOST_RUNS: usize = 64;
 /// A run at 1000 a second over ten minutes.
 const MOST_READINGS: usize = 1_000_000;
+/// 10 mm in nanometres.
+const BEYOND: f64 = 1e7;
 const MOST_FEATURES: usize = 10_000;
 
 const EXPORT: &str =
@@ -243,8 +245,13 @@ impl State<'_> {
             "SERIAL_NUMBER" => self.found.serial = filled(),
             "LAST_CALIBRATED" => self.found.calibrated = filled(),
             "PART_NUMBER" => self.found.part = filled(),
-            "NOMINAL_LENGTH" => self.found.nominal_length_mm = number(words),
-            "PROGRAMMED_FEEDRATE" => self.found.feed_mm_min = number(words),
+            // What is not above zero says nothing.
+            "NOMINAL_LENGTH" => {
+                self.found.nominal_length_mm = number(words).filter(|length| *length > 0.0);
+            }
+            "PROGRAMMED_FEEDRATE" => {
+                self.found.feed_mm_min = number(words).filter(|feed| *feed > 0.0);
+            }
             "MACHINE_TESTED" if self.found.machine.is_none() => self.found.machine = filled(),
             "PLANE" if self.found.plane.is_none() => self.found.plane = filled(),
             _ => {}
@@ -260,12 +267,22 @@ impl State<'_> {
                 let what = format!("a run has more than {MOST_READINGS} readings");
                 return Err(self.refused(begins..begins + 1, what));
             }
-            let reading = number(word);
-            if reading.is_none() && !super::number::is_no_reading(word) {
+            let at = || {
                 // Where no entity stands before it, the text is as it was written.
-                let at = word.as_ptr() as usize - text.as_ptr() as usize;
+                let at = begins + word.as_ptr() as usize - text.as_ptr() as usize;
+                at..at + word.len()
+            };
+            let reading = number(word);
+            if reading.is_some_and(|reading| reading.abs() > BEYOND) {
+                let what = format!(
+                    "a reading of {}, which no ball-bar reaches in any unit",
+                    super::text::quote(word)
+                );
+                return Err(self.refused(at(), what));
+            }
+            if reading.is_none() && !super::number::is_no_reading(word) {
                 let what = format!("{} is not a number", super::text::quote(word));
-                return Err(self.refused(begins + at..begins + at + word.len(), what));
+                return Err(self.refused(at(), what));
             }
             readings.push(reading);
         }
@@ -319,7 +336,7 @@ impl State<'_> {
 }
 
 /// A circle needs some points.
-const FEWEST_READINGS: usize = 30;
+pub(super) const FEWEST_READINGS: usize = 30;
 
 /// A finite number, with a decimal point or comma.
 fn number(words: &str) -> Option<f64> {

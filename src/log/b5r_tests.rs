@@ -158,7 +158,7 @@ fn readings_that_are_not_as_round_as_the_file_says_are_refused() {
         ..Format::default()
     };
     let log = with(&other, &format).unwrap();
-    assert_eq!(log.notes().len(), 3);
+    assert_eq!(log.notes().len(), 4);
     // The arc stands in the name; with another the circle that is taken off is another.
     let part = Written { arc_deg: 220.0, round_mm: None, ..PLAIN };
     let open =
@@ -174,6 +174,34 @@ fn is_partial(written: &Written) {
     let log = log(&written.text());
     let angles = &log.by_angle().unwrap().turns[0].angles;
     assert_eq!(*angles, Angles::Even(220f64.to_radians()));
+}
+
+/// The same clockwise run as it was driven and as a plot has it: the balls that are 0.03 mm off along the first axis tell.
+#[test]
+fn a_clockwise_run_is_the_same_in_either_order() {
+    let angle = |k: i32| (220.0 * (f64::from(k) + 0.5) / 400.0).to_radians();
+    let reading = |k: i32| 0.03 * angle(k).cos() + 0.002 * (3.0 * angle(k)).sin();
+    let words = |order: &mut dyn Iterator<Item = i32>| {
+        order.map(|k| format!("{:.6}", reading(k))).collect::<Vec<_>>().join(" ")
+    };
+    let (rising, falling) = (words(&mut (0..400)), words(&mut (0..400).rev()));
+    let run = |direction: &str, readings: &str| {
+        format!(
+            "<BALLBAR_RUN><RUN_DIRECTION>{direction}</RUN_DIRECTION><READINGS>{readings}</READINGS></BALLBAR_RUN>"
+        )
+    };
+    let of = |clockwise: &str| {
+        let runs = run("CCW", &rising) + &run("CW", clockwise);
+        log(&format!("<A><TEST_SPEC NAME=\"220 grad\"/><PLANE TEST_PLANE=\"XY\"/>{runs}</A>"))
+    };
+    let (driven, listed) = (of(&falling), of(&rising));
+    let told = |log: &Log| log.notes().iter().any(|note| note.contains("stand by rising angle"));
+    assert!(!told(&driven) && told(&listed), "{:?} {:?}", driven.notes(), listed.notes());
+    let mm = |log: &Log| log.readings().iter().map(|of| of.deviation_mm).collect::<Vec<_>>();
+    assert_eq!(mm(&driven), mm(&listed));
+    // Nothing to tell by: it is said, and nothing is turned.
+    let flat = PLAIN.text();
+    assert!(log(&flat).notes().iter().any(|note| note.contains("is not told")));
 }
 
 #[test]
@@ -203,6 +231,7 @@ fn files_that_are_broken_or_were_made_to_break() {
             "less than 30 readings",
         ),
         (Written { scale: 1e6, round_mm: None, ..PLAIN }.text(), "no ball-bar reaches"),
+        (plain.replacen("0.0", "1e3080.0", 1).replacen("1e3080.0", "1e308 0.0", 1), "in any unit"),
     ] {
         let error = refused(&text);
         assert!(error.what.contains(told), "{told}: {error}");

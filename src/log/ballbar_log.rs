@@ -5,12 +5,14 @@
 
 use std::path::Path;
 
-use super::b5r::{BallbarFile, BarRun};
+use super::b5r::{BallbarFile, BarRun, FEWEST_READINGS};
+use super::ballbar_feed;
 use super::by_angle::{Angles, ByAngle, Said, Turn, circularity};
 use super::day;
+use super::listed::{Listed, listed};
 use super::reading::{Log, Reading};
 use crate::error::{Error, Place, Result};
-use crate::plan::log_format::{Format, LengthUnit, ReadingKind};
+use crate::plan::log_format::{Format, LengthUnit, ReadingKind, TimeColumn};
 
 /// A bar reads a little over 1 mm either way: what stays below twice that is mm.
 const LARGEST_MM: f64 = 2.0;
@@ -45,20 +47,18 @@ pub(super) fn as_log(found: &BallbarFile, file: &Path, format: &Format) -> Resul
         Some(unit) => unit,
         None => unit_of(found, arc_deg)?,
     };
-    let mut notes = vec![format!(
-        "the .b5r has readings alone: they are taken for {} ({}), even over the {arc_deg} degrees in the middle of each arc",
-        unit.name(),
-        if format.stated_unit.is_some() {
-            "as the test file says"
-        } else {
-            "by their size and circularity"
-        }
-    )];
+    let mut notes = vec![taken_words(unit, format.stated_unit.is_some(), arc_deg)];
     let sign = if format.reading.inverted { -1.0 } else { 1.0 };
+    let order = order_of(found, unit, arc_deg)?;
+    notes.extend(order_words(found, order));
     let (mut readings, mut turns) = (Vec::new(), Vec::new());
     for (index, run) in found.runs.iter().enumerate() {
         let from = readings.len();
-        for reading in &run.readings {
+        let mut as_driven = run.readings.clone();
+        if run.counter_clockwise == Some(false) && order == Listed::ByAngle {
+            as_driven.reverse();
+        }
+        for reading in as_driven {
             let deviation_mm = reading.map(|value| sign * unit.to_mm(value));
             if let Some(mm) = deviation_mm.filter(|mm| mm.abs() > BEYOND_MM) {
                 return refused(
@@ -100,14 +100,11 @@ pub(super) fn as_log(found: &BallbarFile, file: &Path, format: &Format) -> Resul
     if missing > 0 {
         notes.push(format!("{missing} reading(s) are no numbers and count as out of range"));
     }
-    let feeds =
-        found.runs.iter().filter_map(|run| run.feature("AF_CALCULATED_FEEDRATE", "UT_FEEDRATE"));
-    for (index, feed) in feeds.enumerate() {
-        let programmed = found.feed_mm_min.filter(|of| (feed / of - 1.0).abs() > 0.05);
-        if let Some(programmed) = programmed {
-            notes.push(format!("run {} went at {feed:.0} mm/min as Ballbar 20 computes it, and was programmed with {programmed:.0}", index + 1));
-        }
-    }
+    let rate_hz = match format.time {
+        TimeColumn::Rate { hz } => Some(hz),
+        TimeColumn::Named { .. } | TimeColumn::Angle { .. } => None,
+    };
+    notes.extend(ballbar_feed::notes(found, arc_deg.to_radians(), rate_hz));
     let by_angle = ByAngle {
         plane,
         turns,
@@ -121,6 +118,45 @@ pub(super) fn as_log(found: &BallbarFile, file: &Path, format: &Format) -> Resul
     };
     let began = found.started.as_deref().and_then(|started| day::parse(started.get(..8)?));
     Ok(Log::new(file, readings, notes).begun(began).with_angles(by_angle))
+}
+
+/// What the readings are taken for.
+fn taken_words(unit: LengthUnit, is_stated: bool, arc_deg: f64) -> String {
+    let by = if is_stated { "as the test file says" } else { "by their size and circularity" };
+    format!(
+        "the .b5r has readings alone: they are taken for {} ({by}), even over the {arc_deg} degrees in the middle of each arc",
+        unit.name()
+    )
+}
+
+/// The order in which clockwise readings stand.
+fn order_of(found: &BallbarFile, unit: LengthUnit, arc_deg: f64) -> Result<Listed> {
+    let [counter_clockwise, clockwise] = [true, false].map(|way| {
+        let is_circle = |run: &BarRun| run.readings.iter().flatten().count() >= FEWEST_READINGS;
+        let runs = found.runs.iter().filter(|run| run.counter_clockwise == Some(way));
+        let runs = runs.filter(|run| is_circle(run));
+        let in_mm = |run: &BarRun| {
+            run.readings.iter().map(|reading| reading.map(|value| unit.to_mm(value))).collect()
+        };
+        runs.map(in_mm).collect::<Vec<Vec<Option<f64>>>>()
+    });
+    listed(&counter_clockwise, &clockwise, arc_deg.to_radians())
+}
+
+/// What is to be said of it, where there is a clockwise run.
+fn order_words(found: &BallbarFile, order: Listed) -> Option<String> {
+    found.runs.iter().find(|run| run.counter_clockwise == Some(false))?;
+    match order {
+        Listed::AsDriven => None,
+        Listed::ByAngle => Some(
+            "the clockwise readings stand by rising angle, as both directions together tell, and are taken in the opposite order"
+                .into(),
+        ),
+        Listed::NotTold(mm) => Some(format!(
+            "in which order the clockwise readings stand is not told (what would tell is {:.1} um of 5): they are taken as driven; were they listed by rising angle, squareness and servo mismatch would have changed places",
+            1e3 * mm
+        )),
+    }
 }
 
 /// What is no longer than a name; a page is no place for more.
@@ -160,7 +196,7 @@ fn is_same(own_mm: f64, stated_mm: f64) -> bool {
 }
 
 /// The axes of a plane, in the order in which G17, G18 and G19 count their angles.
-pub(super) fn plane_of(name: &str) -> Option<[usize; 2]> {
+pub(crate) fn plane_of(name: &str) -> Option<[usize; 2]> {
     match name.trim().to_uppercase().as_str() {
         "XY" | "YX" => Some([0, 1]),
         "YZ" | "ZY" => Some([1, 2]),

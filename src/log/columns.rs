@@ -6,6 +6,7 @@ use std::path::Path;
 use super::clock::Clock;
 use super::number::is_no_reading;
 use super::text::{Line, quote, split};
+use super::unit_line::UnitLine;
 use crate::error::{Error, Place, Result};
 use crate::plan::log_format::{Delimiter, Format, LengthUnit, ReadingColumn, TimeColumn, TimeUnit};
 
@@ -70,6 +71,11 @@ pub(super) fn find_header<'a>(
         let mut pairs = seen.windows(2);
         if let Some(pair) = pairs.find(|pair| is_data(pair[1], likely(pair[1]))) {
             names = pair[0];
+            // Units stand between the names and the numbers.
+            if UnitLine::of(names, likely(names)).is_some() {
+                let above = seen.iter().rfind(|line| line.number < names.number);
+                names = above.copied().unwrap_or(names);
+            }
         }
     }
     Ok(Header { line: names, delimiter: likely(names) })
@@ -89,7 +95,8 @@ fn separated<'a>(
     (told, lines)
 }
 
-/// The format with the columns whose names say their units, in the first line that has such; `None` where no line has.
+/// The format with the columns whose names say their units, or the line below them, in the first line that has such; `None` where
+/// no line has.
 pub(super) fn by_name<'a>(
     lines: impl Iterator<Item = Line<'a>>,
     format: &Format,
@@ -97,23 +104,33 @@ pub(super) fn by_name<'a>(
     let (told, lines) = separated(lines, format);
     let delimiters = told.map_or(Delimiter::ALL.to_vec(), |told| vec![told]);
     let mut fields = Vec::new();
-    for line in lines.take(LOOKED_AT) {
+    let mut lines = lines.take(LOOKED_AT).peekable();
+    while let Some(line) = lines.next() {
         for &delimiter in &delimiters {
             split(line.text, delimiter, &mut fields);
-            let names = || fields.iter().map(|field| &line.text[field.clone()]);
-            let own = format.reading.name.as_str();
+            let below = lines.peek().and_then(|next| UnitLine::of(*next, delimiter));
+            let below = below.filter(|below| below.width() == fields.len());
+            let below = below.as_ref();
+            let names = || fields.iter().map(|field| &line.text[field.clone()]).enumerate();
+            let length = |(k, name): (usize, &'a str)| {
+                let unit = LengthUnit::of_column(name).or_else(|| below?.length(k));
+                unit.map(|unit| (name, unit))
+            };
+            let own = |(_, name): &(usize, &str)| same_name(name, &format.reading.name);
             let reading = names()
-                .find(|name| same_name(name, own))
-                .or_else(|| names().find(|name| LengthUnit::of_column(name).is_some()));
-            let time = names().find_map(|name| TimeUnit::of_column(name).map(|unit| (name, unit)));
-            let angle = names().find(|name| is_angle(name));
+                .find(own)
+                .map(|(k, name)| length((k, name)).unwrap_or((name, format.reading.unit)));
+            let time = names().find_map(|(k, name)| {
+                let unit = TimeUnit::of_column(name).or_else(|| below?.time(k));
+                unit.map(|unit| (name, unit))
+            });
+            let angle = names().find(|(_, name)| is_angle(name));
             let time = match (time, angle) {
                 (Some((name, unit)), _) => TimeColumn::Named { name: name.to_owned(), unit },
-                (None, Some(name)) => TimeColumn::Angle { name: name.to_owned() },
+                (None, Some((_, name))) => TimeColumn::Angle { name: name.to_owned() },
                 (None, None) => continue,
             };
-            let Some(name) = reading else { continue };
-            let unit = LengthUnit::of_column(name).unwrap_or(format.reading.unit);
+            let Some((name, unit)) = reading.or_else(|| names().find_map(length)) else { continue };
             let reading = ReadingColumn { name: name.to_owned(), unit, ..format.reading.clone() };
             return Some(Format { time, reading, ..format.clone() });
         }
@@ -205,15 +222,41 @@ pub(super) fn find_column(
 fn suggested<'a>(mut names: impl Iterator<Item = &'a str> + Clone) -> Option<String> {
     let time = names.clone().find(|name| TimeUnit::of_column(name).is_some());
     let reading = names.find(|name| LengthUnit::of_column(name).is_some())?;
-    let line = |key: &str, name: &str| {
-        let mark = if name.contains(['"', '\\']) { '\'' } else { '"' };
-        format!("`{key} = {mark}{name}{mark}`")
-    };
     let time = time.map_or("`sample_rate_hz`, the readings a second,".to_owned(), |name| {
-        line("time_column", name)
+        format!("`{}`", key_line("time_column", name))
     });
     Some(format!(
-        "write {time} and {} under `[log]` in the test file, or the columns that you mean",
-        line("reading_column", reading)
+        "write {time} and `{}` under `[log]` in the test file, or the columns that you mean",
+        key_line("reading_column", reading)
     ))
+}
+
+fn key_line(key: &str, name: &str) -> String {
+    let mark = if name.contains(['"', '\\']) { '\'' } else { '"' };
+    format!("{key} = {mark}{}{mark}", name.trim())
+}
+
+/// The lines under `[log]` without which a test reads other columns, or takes their units for others.
+pub(crate) fn lines_for_the_test(format: &Format) -> Vec<String> {
+    let default = Format::default();
+    let mut lines = Vec::new();
+    match &format.time {
+        TimeColumn::Named { name, unit } if format.time != default.time => {
+            lines.push(key_line("time_column", name));
+            if TimeUnit::of_column(name).unwrap_or(TimeUnit::Second) != *unit {
+                lines.push(key_line("time_unit", unit.name()));
+            }
+        }
+        TimeColumn::Named { .. } => {}
+        TimeColumn::Rate { hz } => lines.push(format!("sample_rate_hz = {hz:?}")),
+        TimeColumn::Angle { name } => lines.push(key_line("angle_column", name)),
+    }
+    let ReadingColumn { name, unit, .. } = &format.reading;
+    if *name != default.reading.name {
+        lines.push(key_line("reading_column", name));
+    }
+    if LengthUnit::of_column(name).unwrap_or(LengthUnit::Micrometre) != *unit {
+        lines.push(key_line("reading_unit", unit.name()));
+    }
+    lines
 }

@@ -23,6 +23,7 @@ mod b5r;
 #[cfg(test)]
 #[allow(clippy::float_cmp)] // what is read is exact or wrong
 mod b5r_tests;
+mod ballbar_feed;
 mod ballbar_log;
 mod bounds;
 mod by_angle;
@@ -31,6 +32,7 @@ mod columns;
 mod content;
 mod day;
 mod encoding;
+mod listed;
 mod number;
 mod plain;
 #[cfg(test)]
@@ -44,6 +46,7 @@ mod table;
 #[allow(clippy::float_cmp)] // what is read is exact or wrong
 mod tests;
 mod text;
+mod unit_line;
 #[cfg(test)]
 #[allow(clippy::float_cmp)] // what is read is exact or wrong
 mod variants;
@@ -58,7 +61,9 @@ pub use crate::plan::log_format::{
     TextEncoding, TimeColumn, TimeUnit,
 };
 pub use b5r::{BallbarFile, BarRun, Feature};
+pub(crate) use ballbar_log::plane_of;
 pub use by_angle::{Angles, ByAngle, Said, Turn};
+pub(crate) use columns::lines_for_the_test;
 pub use content::{Content, Layout, Table, Written};
 pub use read::{log_of, look_into, read, read_bytes};
 pub use reading::{Log, Reading};

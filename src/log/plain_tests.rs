@@ -31,7 +31,7 @@ fn same(content: &str, format: &Format) {
             assert_eq!(plain.notes(), careful.notes(), "{content}");
         }
         (Err(plain), Err(careful)) => {
-            assert_eq!(plain.to_string(), careful.to_string(), "{content}")
+            assert_eq!(plain.to_string(), careful.to_string(), "{content}");
         }
         (plain, careful) => panic!("{plain:?} and {careful:?} of\n{content}"),
     }

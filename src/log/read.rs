@@ -5,7 +5,7 @@ use std::path::Path;
 use super::b5r::{self, BallbarFile};
 use super::ballbar_log;
 use super::by_angle::{self, ByAngle, Said};
-use super::columns::{CHOOSE_COLUMNS, by_name, find_header, same_name};
+use super::columns::{CHOOSE_COLUMNS, by_name, find_header, lines_for_the_test, same_name};
 use super::content::{Content, Layout, Table, Written};
 use super::encoding::as_text;
 use super::reading::Log;
@@ -84,14 +84,28 @@ fn content(bytes: &[u8], file: &Path, format: &Format, columns: Columns) -> Resu
         return Ok(Content::Ballbar(Box::new(b5r::parse(&text, file)?)));
     }
     let lines = || lines(&text).skip(format.skip_lines);
+    let with_units = || by_name(lines(), format);
     let by_name = match columns {
-        Columns::ByName => by_name(lines(), format),
+        Columns::ByName => with_units(),
         Columns::AsStated => None,
     };
     let format = by_name.as_ref().unwrap_or(format);
     let mut lines = lines();
     let header = find_header(file, &mut lines, format)?;
-    let table = table::Table::new(file, header, format, is_sheet)?;
+    let table = table::Table::new(file, header, format, is_sheet).map_err(|error| {
+        // The line below the names may say what the names do not.
+        let found = (error.hint.as_deref() == Some(CHOOSE_COLUMNS)).then(with_units).flatten();
+        match found {
+            Some(found) => {
+                let lines = lines_for_the_test(&found).join("`, `");
+                let hint = format!(
+                    "write `{lines}` under `[log]` in the test file, or the columns that you mean"
+                );
+                Error { hint: Some(hint), ..error }
+            }
+            None => error,
+        }
+    })?;
     let rows = match table.plain_rows(&text, header.line) {
         Some(rows) => rows,
         None => table.rows(lines)?,

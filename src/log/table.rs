@@ -13,6 +13,7 @@ use super::number::{Fault, Numbers, is_nines, is_no_reading};
 use super::plain::{Plain, PlainRows};
 use super::reading::Reading;
 use super::text::{Line, quote, split};
+use super::unit_line::UnitLine;
 use crate::error::{Error, Result};
 use crate::plan::log_format::{Delimiter, Format, LengthUnit, ReadingKind, TimeColumn, TimeUnit};
 
@@ -121,8 +122,12 @@ impl<'a> Table<'a> {
         let mut angles_deg = Vec::new();
         let mut fields = Vec::new();
         let mut earlier = "";
+        let mut is_first = true;
         for line in lines {
             if line.is_comment() || (line.is_blank() && !self.blank_is_row(line)) {
+                continue;
+            }
+            if std::mem::take(&mut is_first) && self.is_unit_line(line)? {
                 continue;
             }
             split(line.text, self.delimiter, &mut fields);
@@ -138,16 +143,7 @@ impl<'a> Table<'a> {
             let time_s = match self.times {
                 Times::Rate { hz } => readings.len() as f64 / hz,
                 Times::Angle { index } => {
-                    let field = &fields[index];
-                    let fail = |what| line.error(self.file, field, what);
-                    let angle = numbers.parse(&line.text[field.clone()], |value| value);
-                    let angle_deg = angle.map_err(|fault| fail(fault.what).hint(PLAIN_ANGLE))?;
-                    if angle_deg.abs() > LARGEST_DEG {
-                        return Err(
-                            fail(format!("an angle of {angle_deg} degrees")).hint(PLAIN_ANGLE)
-                        );
-                    }
-                    angles_deg.push(angle_deg);
+                    angles_deg.push(self.angle_deg(line, &fields[index], &mut numbers)?);
                     readings.len() as f64
                 }
                 Times::Column { index, unit } => {
@@ -211,6 +207,27 @@ impl<'a> Table<'a> {
         let began = day::parse(clock.first_date());
         let of_day = by_clock == Some(true);
         Ok(Rows { readings, angles_deg, no_readings, began, of_day })
+    }
+
+    fn angle_deg(&self, line: Line, field: &Range<usize>, numbers: &mut Numbers) -> Result<f64> {
+        let fail = |what| line.error(self.file, field, what).hint(PLAIN_ANGLE);
+        let angle = numbers.parse(&line.text[field.clone()], |value| value);
+        let angle_deg = angle.map_err(|fault| fail(fault.what))?;
+        if angle_deg.abs() > LARGEST_DEG {
+            return Err(fail(format!("an angle of {angle_deg} degrees")));
+        }
+        Ok(angle_deg)
+    }
+
+    /// Whether the first line below the names says the units of the columns, which must be those of the format.
+    fn is_unit_line(&self, line: Line) -> Result<bool> {
+        let units = UnitLine::of(line, self.delimiter).filter(|of| of.width() == self.width);
+        let Some(units) = units else { return Ok(false) };
+        let time = match self.times {
+            Times::Column { index, .. } => Some(index),
+            Times::Rate { .. } | Times::Angle { .. } => None,
+        };
+        units.agrees(self.file, self.format, time, self.reading).map(|()| true)
     }
 
     fn deviation_mm(

@@ -41,7 +41,7 @@ const STEP: fn(f64, f64) -> f64 = |t, moment| if t > moment { 1.0 } else { 0.0 }
 
 /// An inner number that nothing bounds but the limits of its key.
 const fn inner(key: &'static str, scale: Option<Scale>, start: Start) -> Inner {
-    Inner { key, scale, start, part_of_way: f64::INFINITY }
+    Inner { key, scale, start, part_of_way: f64::INFINITY, part_of_fastest: f64::INFINITY }
 }
 
 /// Waves longer than this are smooth: of such, several make any curve. By trial; screws have pitches up to 20 mm.
@@ -296,7 +296,12 @@ pub const CAUSES: &[Cause] = &[
         law: Law::Curve(
             turning(Variable::Velocity),
             |v, speed| -(-v.abs() / speed).exp(),
-            Some(inner("speed", Some(Scale::Logarithm), Start::Grid([0.05, 20.0], 12))),
+            // Of a larger one exp(-abs(v) / speed) is a straight line up to the highest speed driven, within a tenth of its amplitude:
+            // with b a reversal and a servo mismatch, which are known by their names.
+            Some(Inner {
+                part_of_fastest: 0.5,
+                ..inner("speed", Some(Scale::Logarithm), Start::Grid([0.05, 20.0], 12))
+            }),
         ),
         makes_any_curve: |_| true,
         equation: "E = -A b exp(-abs(v) / speed), also at rest: the axis lags where it is slow (Stribeck)",

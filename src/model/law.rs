@@ -49,6 +49,8 @@ pub struct Inner {
     pub start: Start,
     /// It is less than this part of the way of its axis in the test: what is longer the test cannot show.
     pub part_of_way: f64,
+    /// It is less than this part of the highest speed of its axis in the test, if it is a speed.
+    pub part_of_fastest: f64,
 }
 
 /// The scale on which a number is estimated: the one on which equal steps change the effect equally.

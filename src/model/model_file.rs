@@ -75,6 +75,9 @@ struct RawCurve {
     values: Vec<f64>,
 }
 
+/// Effects, and curves, of one machine: a diagnosis adds a dozen of each at the most.
+const MOST_FOUND: usize = 100;
+
 impl ModelFile {
     /// Reads and checks a model file.
     pub fn read(file: &Path) -> Result<Self> {
@@ -85,6 +88,13 @@ impl ModelFile {
     pub fn parse(source: &str, file: &Path) -> Result<Self> {
         let text = Text { source, file };
         let raw: RawModel = text.parse()?;
+        for (count, beyond, what) in [
+            (raw.hide.len(), raw.hide.get(MOST_FOUND).map(Spanned::span), "effects"),
+            (raw.curve.len(), raw.curve.get(MOST_FOUND).map(Spanned::span), "curves"),
+        ] {
+            let hint = "take the model file as a diagnosis wrote it";
+            text.at_most(count, MOST_FOUND, what, beyond, hint)?;
+        }
         let effects = raw
             .hide
             .iter()
@@ -258,6 +268,20 @@ mod tests {
             let error = ModelFile::parse(&format!("{begin}{rest}"), "m.toml".as_ref()).unwrap_err();
             assert_eq!(error.what, told);
             assert!(error.hint.is_some() && error.place.is_some_and(|place| place.line > 1));
+        }
+    }
+
+    #[test]
+    fn more_effects_or_curves_than_a_machine_has_are_refused_with_the_first_too_many() {
+        let hide = "[[hide]]\ncause = \"cyclic\"\n".repeat(101);
+        let curve = "[[curve]]\non = \"EXX\"\nover = \"x\"\nknots = []\nvalues = []\n".repeat(101);
+        for (rest, told, line) in
+            [(hide, "101 effects, and 100", 202), (curve, "101 curves, and 100", 502)]
+        {
+            let text = format!("terms = []\n{rest}");
+            let error = ModelFile::parse(&text, "m.toml".as_ref()).unwrap_err();
+            assert!(error.what.contains(told) && error.hint.is_some(), "{}", error.what);
+            assert_eq!(error.place.map(|place| place.line), Some(line));
         }
     }
 

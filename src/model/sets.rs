@@ -79,6 +79,9 @@ pub fn coefficients(set: &str) -> Option<Vec<Coefficient>> {
     Some(of_set)
 }
 
+/// Five times the whole model: what a list needs that names and leaves out each and adds effects.
+const MOST_NAMES: usize = 500;
+
 /// The terms that a list of names asks for, in the order of Table 1, set-up errors last.
 ///
 /// Each entry is the name of a set, of a coefficient or of a set-up error; `-NAME` leaves one out
@@ -88,8 +91,15 @@ pub fn coefficients(set: &str) -> Option<Vec<Coefficient>> {
 /// amplitudes of that period; see [`Shape::parse`].
 ///
 /// # Errors
-/// An unknown name, with the nearest names in the hint; an empty selection.
+/// An unknown name, with the nearest names in the hint; an empty selection; more than 500 names.
 pub fn terms(names: &[String], mountings: &[String]) -> Result<Vec<Box<dyn Term>>> {
+    if names.len() > MOST_NAMES {
+        return Err(Error::input(format!(
+            "{} terms are named, and {MOST_NAMES} are the most",
+            names.len()
+        ))
+        .hint("the whole model has 96, which `all` names at once"));
+    }
     let mut chosen: Vec<Coefficient> = Vec::new();
     // Each for all mountings or for one.
     let mut set_ups: Vec<(SetUp, usize)> = Vec::new();

@@ -65,6 +65,9 @@ pub struct DesignRequest {
     pub volume_mm: Option<[[f64; 2]; 3]>,
 }
 
+/// A kit has a handful of bars and a shop a handful of holders; every candidate is tried with each of both.
+const MOST_TRIED: usize = 20;
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawDesign {
@@ -128,6 +131,20 @@ impl RawDesign {
                 Some(volume.into_inner())
             }
         };
+        for (count, beyond, what) in [
+            (
+                self.tool_balls_mm.len(),
+                self.tool_balls_mm.get(MOST_TRIED).map(Spanned::span),
+                "tool balls",
+            ),
+            (
+                self.bar_lengths_mm.len(),
+                self.bar_lengths_mm.get(MOST_TRIED).map(Spanned::span),
+                "bar lengths",
+            ),
+        ] {
+            text.at_most(count, MOST_TRIED, what, beyond, "name those that are at hand")?;
+        }
         Ok(DesignRequest {
             budget_s: text.within(&self.budget_min, "budget_min", 0.0, LONGEST_MIN)? * 60.0,
             criterion: self.criterion,

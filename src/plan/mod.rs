@@ -4,6 +4,8 @@
 //! on the sphere: polar angle from the tool axis Z, azimuth from X towards Y.
 
 mod arc;
+#[cfg(test)]
+mod bounds_tests;
 mod clearance;
 mod design_request;
 mod leg;
@@ -38,6 +40,7 @@ pub use planar::{Planar, Planes};
 pub use plane::Plane;
 pub(crate) use raw::CORRELATIONS_S;
 pub(crate) use raw_feeds::FEEDS_MM_MIN;
+pub(crate) use raw_log::ARCS_DEG;
 pub(crate) use raw_mounting::LENGTHS_MM;
 pub use record::{Record, Warmth};
 pub use step::{Circular, Step};

@@ -157,7 +157,7 @@ fn check_terms(names: &[String]) -> Result<()> {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawRun {
-    program: Spanned<String>,
+    pub(super) program: Spanned<String>,
     log: Spanned<String>,
     motion: Option<String>,
     name: Option<Spanned<String>>,

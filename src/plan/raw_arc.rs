@@ -133,6 +133,11 @@ impl RawArc {
                 .at(text.place(written.span()))
                 .hint("leave `mountings` out to drive it in every mounting"));
         }
-        written.get_ref().iter().map(|name| mounting_index(name, known, text)).collect()
+        let named = written.get_ref();
+        let all =
+            named.iter().map(|name| mounting_index(name, known, text)).collect::<Result<_>>()?;
+        let (beyond, hint) = (named.get(known.len()).map(Spanned::span), "name each mounting once");
+        text.at_most(named.len(), known.len(), "mountings for an arc", beyond, hint)?;
+        Ok(all)
     }
 }

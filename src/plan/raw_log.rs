@@ -200,7 +200,7 @@ fn out_of_range(written: &Spanned<toml::Value>, text: &Text<'_>) -> Result<OutOf
 }
 
 /// A part of an arc that makes a circle, deg.
-const ARCS_DEG: [f64; 2] = [10.0, 360.0];
+pub(crate) const ARCS_DEG: [f64; 2] = [10.0, 360.0];
 
 /// The axes of a plane, in the order in which angles count from the one to the other.
 fn plane(name: &Spanned<String>, text: &Text<'_>) -> Result<[usize; 2]> {

@@ -31,11 +31,17 @@ pub(super) struct RawMounting {
     bar_length_mm: Option<Spanned<f64>>,
 }
 
+/// Each has unknowns of its own and is put up by hand.
+const MOST_MOUNTINGS: usize = 100;
+
 pub(super) fn check_mountings(
     raw: &[RawMounting],
     bar: &BallBar,
     text: &Text<'_>,
 ) -> Result<Vec<NamedMounting>> {
+    let beyond = raw.get(MOST_MOUNTINGS).map(|entry| entry.name.span());
+    let hint = "three places that lie not on one line determine the whole volume";
+    text.at_most(raw.len(), MOST_MOUNTINGS, "mountings", beyond, hint)?;
     let mut mountings: Vec<NamedMounting> = Vec::new();
     for entry in raw {
         let name = entry.name.get_ref().clone();

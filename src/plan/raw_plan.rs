@@ -22,6 +22,9 @@ const STARTS_DEG: [f64; 2] = [-360.0, 360.0];
 /// What is driven before them and after them, degrees: two turns at the most.
 const OVERSHOOTS_DEG: [f64; 2] = [0.0, 720.0];
 
+/// With their dwells some hours of driving, which no operator waits for.
+const MOST_ARCS: usize = 1000;
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawPlan {
@@ -60,6 +63,9 @@ impl RawPlan {
             Some(name) if planar.is_none() => Some(on_sphere(name, text)?),
             _ => None,
         };
+        let beyond = self.arc.get(MOST_ARCS).map(Spanned::span);
+        let hint = "divide the test: each file has programs of its own";
+        text.at_most(self.arc.len(), MOST_ARCS, "arcs", beyond, hint)?;
         let free_arcs: Vec<FreeArc> = self
             .arc
             .iter()

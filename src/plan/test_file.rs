@@ -36,6 +36,10 @@ pub struct Test {
     runs: Vec<Run>,
 }
 
+/// One every ten minutes makes as many in a week; all of them are kept in memory and fitted together.
+const MOST_RUNS: usize = 1000;
+const RUNS_HINT: &str = "a test is what was measured of one machine in one state: give each day a test file of its own, and compare them with `ballbar history`";
+
 impl Test {
     /// Reads and checks a test file.
     pub fn read(file: &Path) -> Result<Self> {
@@ -47,6 +51,8 @@ impl Test {
         let text = Text { source, file };
         let raw: RawTest = text.parse()?;
         let beside = |path: &str| file.parent().unwrap_or(Path::new("")).join(path);
+        let beyond = raw.run.get(MOST_RUNS).map(|run| run.program.span());
+        text.at_most(raw.run.len(), MOST_RUNS, "runs", beyond, RUNS_HINT)?;
         let ball_bar = raw.ball_bar.check(&raw.log, &text)?;
         let log_format = raw.log.check(ball_bar.length_mm, ball_bar.range_mm, &text)?;
         let mountings = check_mountings(&raw.mounting, &ball_bar, &text)?;

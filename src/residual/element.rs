@@ -130,15 +130,19 @@ impl Element {
     }
 
     /// Whether the number inside is one that these runs can show: within the limits of its key and, where it is
-    /// a part of the way of its axis, short enough for that.
+    /// a part of the way of its axis or of its highest speed, short enough for that.
     pub fn possible(&self, residuals: &Residuals) -> bool {
         let Some((shape, number)) = self.shape().and_then(|s| Some((s, s.inner?))) else {
             return true;
         };
         let Some((inner, key)) = shape.cause.inner(shape.seat) else { return true };
-        let way_mm = shape.seat.axis().map_or(f64::INFINITY, |axis| residuals.way_mm[axis.index()]);
+        let of_axis =
+            |of: &[f64; 3]| shape.seat.axis().map_or(f64::INFINITY, |axis| of[axis.index()]);
         let [_, most] = key.limits_si(shape.seat);
-        number > 0.0 && number <= most && number < inner.part_of_way * way_mm
+        number > 0.0
+            && number <= most
+            && number < inner.part_of_way * of_axis(&residuals.way_mm)
+            && number < inner.part_of_fastest * of_axis(&residuals.fastest_mm_s)
     }
 
     /// What it is in one run.

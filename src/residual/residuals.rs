@@ -62,6 +62,8 @@ pub struct Residuals {
     pub model_mm: Column,
     /// How far each slide went, mm.
     pub way_mm: [f64; 3],
+    /// How fast each slide went at the most, mm/s.
+    pub fastest_mm_s: [f64; 3],
     /// How many arcs there are.
     pub arcs: usize,
 }
@@ -124,7 +126,12 @@ impl Residuals {
                 at.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
             (high - low).max(0.0)
         });
-        Ok(Self { repeats, model_mm: Column::from(model_mm), way_mm, arcs })
+        let fastest_mm_s = [0, 1, 2].map(|slide| {
+            let samples = repeats.iter().flat_map(|repeat: &Repeat| &repeat.samples);
+            samples.map(|s| s.record.sample.motion.velocity_mm_s[slide].abs()).fold(0.0, f64::max)
+        });
+        let model_mm = Column::from(model_mm);
+        Ok(Self { repeats, model_mm, way_mm, fastest_mm_s, arcs })
     }
 
     /// The same samples with something added to what the model leaves, mm, as far as the fits do not follow

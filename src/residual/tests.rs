@@ -114,6 +114,18 @@ fn what_columns_explain_is_what_their_fit_gains() {
     }
 }
 
+/// What is nearly straight up to the highest speed is a reversal and a servo mismatch.
+#[test]
+fn friction_that_ends_beyond_the_speeds_driven_is_none() {
+    let residuals = residuals(2, white(5, NOISE_MM));
+    let half_mm_min = 0.5 * 60.0 * residuals.fastest_mm_s[0];
+    let stick_slip =
+        |on: &str, mm_min: f64| element(&format!("stick-slip:on={on},speed_mm_min={mm_min}"));
+    assert!(stick_slip("X", 0.9 * half_mm_min).possible(&residuals));
+    assert!(!stick_slip("X", 1.1 * half_mm_min).possible(&residuals));
+    assert!(!stick_slip("Z", 1.0).possible(&residuals), "Z stands still");
+}
+
 #[test]
 fn white_noise_has_one_variance() {
     let residuals = residuals(4, white(5, NOISE_MM));

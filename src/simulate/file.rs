@@ -52,6 +52,8 @@ use crate::model::{Coefficient, Effect, ErrorFunctions, LARGEST_ERROR, SetUp};
 use crate::plan::CORRELATIONS_S;
 use crate::toml_text::{self, Text};
 
+/// Effects of one machine.
+const MOST_HIDDEN: usize = 100;
 /// Four decimals of time still tell the samples of this rate apart.
 const MOST_HZ: f64 = 5000.0;
 
@@ -211,6 +213,9 @@ impl RawScenario {
                 missing_rows: of.rows == RawRows::Missing,
             });
         }
+        let beyond = self.hide.get(MOST_HIDDEN).map(Spanned::span);
+        let hint = "nobody finds more than a dozen beside each other";
+        text.at_most(self.hide.len(), MOST_HIDDEN, "hidden effects", beyond, hint)?;
         for table in &self.hide {
             hide(&mut scenario, table, text)?;
         }

@@ -297,6 +297,10 @@ fn a_low_override_lengthens_the_log() {
 fn a_scenario_file_is_checked() {
     let parse = |text: &str| Scenario::parse(text, Path::new("s.toml"));
     assert_eq!(parse("").unwrap(), Scenario::default());
+    let crowd = "[[hide]]\ncause = \"drift\"\non = \"EZt\"\n".repeat(101);
+    let error = parse(&crowd).unwrap_err();
+    assert!(error.what.contains("101 hidden effects, and 100 are the most"), "{}", error.what);
+    assert_eq!(error.place.map(|place| place.line), Some(301));
     let full = parse(
         "seed = 9\nsample_rate_hz = 50\nresolution_um = 1\nrange_mm = 2.0\nafter_s = 1\n\
          feed_override_percent = 90\n[coefficients]\nEXX1 = 1e-5\n[set_up]\nEZw = 0.5\n\

@@ -6,11 +6,13 @@ use nalgebra::Vector3;
 
 use super::machine_file::machine_file;
 use super::place::place_mm;
-use super::test_file::test_file;
+use super::test_file::{PROGRAM_NUMBER, test_file};
 use super::travel::Travel;
 use super::wish::{MACHINE_FILE, Wish};
+use crate::design::PlannedProgram;
 use crate::error::{Error, Result};
 use crate::machine::Machine;
+use crate::nc;
 use crate::plan::Test;
 
 /// A machine file and a test file, checked, the balls where the test fits.
@@ -24,6 +26,8 @@ pub struct Begun {
     pub machine: Machine,
     /// What the other says.
     pub test: Test,
+    /// Of what was measured already, the file and the text of the program that its test file names.
+    pub program: Option<(String, String)>,
 }
 
 /// Bars that a kit is put together to, mm, the commonest first; calibrated lengths but for the last.
@@ -46,8 +50,13 @@ impl Begun {
             place: None,
             hint: Some(format!(
                 "nothing was written; the travel is {} (`--travel`, machine coordinates of X, Y and Z in mm): give another one, \
-                 a shorter `--bar`, a lower `--feed`, or a `--test` that needs less",
-                Travel::text(&wish.travel_mm)
+                 {}",
+                Travel::text(&wish.travel_mm),
+                if wish.measured.is_some() {
+                    "that of the machine, or with `--arc` the degrees that were measured, such as 220"
+                } else {
+                    "a shorter `--bar`, a lower `--feed`, or a `--test` that needs less"
+                }
             )),
             ..error
         })
@@ -56,9 +65,10 @@ impl Begun {
     fn checked(wish: &Wish, folder: &Path) -> Result<Self> {
         let machine_text = machine_file(wish);
         let machine = Machine::parse(&machine_text, &folder.join(Self::MACHINE))?;
+        let program_file = nc::file_name(&machine, PROGRAM_NUMBER);
         let with = |bar_mm: f64| {
             let parse = |place_mm: &Vector3<f64>| {
-                let text = test_file(wish, bar_mm, place_mm);
+                let text = test_file(wish, bar_mm, place_mm, &program_file);
                 Test::parse(&text, &folder.join(Self::TEST)).map(|test| (text, test))
             };
             let (_, anywhere) = parse(&Vector3::zeros())?;
@@ -71,6 +81,9 @@ impl Begun {
             let [first, second, last] = BARS_MM;
             with(first).or_else(|_| with(second)).or_else(|_| with(last))?
         };
-        Ok(Self { machine_text, test_text, machine, test })
+        let measured = wish.measured.as_ref();
+        let program = measured.map(|_| PlannedProgram::new(&test, &machine, 0)).transpose()?;
+        let program = program.map(|program| (program.file_name, program.text));
+        Ok(Self { machine_text, test_text, machine, test, program })
     }
 }

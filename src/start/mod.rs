@@ -6,6 +6,7 @@
 mod begun;
 mod commented;
 mod machine_file;
+mod measured;
 mod place;
 mod reference;
 mod test_file;
@@ -16,6 +17,7 @@ mod travel;
 mod wish;
 
 pub use begun::Begun;
+pub use measured::Measured;
 pub use reference::{Entry, REFERENCE, Reference};
 pub use test_kind::TestKind;
 pub use travel::{Travel, Zero};

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::commented::{Commented, number, numbers, quoted};
+use super::measured::Measured;
 use super::test_kind::TestKind;
 use super::wish::{MACHINE_FILE, Wish};
 use crate::plan::Planes;
@@ -10,8 +11,16 @@ use crate::plan::Planes;
 /// Budget of a design, min: what three tests of 3D6 take with their operator.
 const BUDGET_MIN: f64 = 90.0;
 
-/// The text of the test file of a wish, with a bar and the balls in a place, mm.
-pub(super) fn test_file(wish: &Wish, bar_mm: f64, place_mm: &Vector3<f64>) -> String {
+/// Of the first program.
+pub(super) const PROGRAM_NUMBER: u32 = 1001;
+
+/// The text of the test file of a wish, with a bar, the balls in a place, mm, and the file of its program.
+pub(super) fn test_file(
+    wish: &Wish,
+    bar_mm: f64,
+    place_mm: &Vector3<f64>,
+    program_file: &str,
+) -> String {
     let mut file = Commented::new("Test file");
     file.note(
         "What is tested, with what, and what was measured. A line that begins with # is an example of a key that may be \
@@ -30,7 +39,10 @@ pub(super) fn test_file(wish: &Wish, bar_mm: f64, place_mm: &Vector3<f64>) -> St
         file.off("most_mountings", "3");
         file.off("bar_lengths_mm", "[100.0, 150.0]");
     }
-    measured(&mut file);
+    match &wish.measured {
+        Some(measured) => was_measured(&mut file, wish, measured, program_file),
+        None => will_be_measured(&mut file),
+    }
     file.finish()
 }
 
@@ -66,20 +78,59 @@ fn plan(file: &mut Commented, wish: &Wish) {
     if let TestKind::Planes(planes) = wish.test {
         let (sweep, overshoot) =
             if planes == Planes::Xy { ("360.0", "180.0") } else { ("180.0", "2.0") };
-        file.off("sweep_deg", sweep);
+        match &wish.measured {
+            Some(measured) => {
+                file.key("sweep_deg", &number(measured.arc_deg));
+                if measured.begins_anywhere(wish.test) {
+                    file.key("start_deg", "0.0");
+                }
+            }
+            None => file.off("sweep_deg", sweep),
+        }
         file.off("overshoot_deg", overshoot);
     }
     file.key("dwell_s", "3.0");
     file.off("both_directions", "false");
     file.off("interpolation", &quoted("chords"));
-    file.key("program_number", "1001");
+    file.key("program_number", &PROGRAM_NUMBER.to_string());
 }
 
-fn measured(file: &mut Commented) {
+/// A log that is there, with the program that init writes beside it.
+fn was_measured(file: &mut Commented, wish: &Wish, measured: &Measured, program_file: &str) {
+    record(file);
+    let stated_arc = measured.states_arc.then_some(measured.arc_deg);
+    let stated_plane = measured.states_plane.then_some(wish.test.name());
+    if stated_arc.is_some() || stated_plane.is_some() || measured.unit.is_some() {
+        file.table("[log]", "[log]");
+    }
+    if let Some(plane) = stated_plane {
+        file.key("plane", &quoted(plane));
+    }
+    if let Some(unit) = measured.unit {
+        file.key("reading_unit", &quoted(unit.name()));
+    }
+    if let Some(arc_deg) = stated_arc {
+        file.key("data_arc_deg", &number(arc_deg));
+    }
+    file.table("[[run]]", "[[run]]");
+    file.note(
+        "The log does not hold the program. This one drives the same plane, arc and feed with the balls in the place above; \
+         better is the one that ran: write its name here, and its place into `coincidence_mm`.",
+    );
+    file.key("program", &quoted(program_file));
+    file.key("log", &quoted(&measured.log));
+    file.off("feed_override_percent", "100.0");
+}
+
+fn record(file: &mut Commented) {
     file.table_off("[record]", "[record]");
     file.off("operator", &quoted("K. Huber"));
     file.off("machine_serial", &quoted("4711"));
     file.off("bar_serial", &quoted("0AF3"));
+}
+
+fn will_be_measured(file: &mut Commented) {
+    record(file);
     file.table_off("[log]", "[log]");
     file.off("time_column", &quoted("Time (ms)"));
     file.off("time_unit", &quoted("ms"));

@@ -1,5 +1,6 @@
 //! What is to be begun with, before any file is written.
 
+use super::measured::Measured;
 use super::test_kind::TestKind;
 use crate::error::Result;
 use crate::machine::{Axis, Builtin, Dialect, Machine, Topology};
@@ -28,6 +29,8 @@ pub struct Wish {
     pub test: TestKind,
     /// At which feed, mm/min.
     pub feed_mm_min: f64,
+    /// What was measured already, in one plane.
+    pub measured: Option<Measured>,
 }
 
 /// From the spindle nose to the tool ball where nothing tells it, mm.
@@ -46,6 +49,7 @@ impl Wish {
             tool_mm: base.clearance().tool.map_or(TOOL_MM, |tool| tool.length_mm),
             test,
             feed_mm_min: test.usual_feed_mm_min(),
+            measured: None,
             base,
         })
     }

@@ -1,5 +1,6 @@
 //! Somebody's first day, with the binary and nothing else.
 
+use std::fmt::Write as _;
 use std::io::Write as _;
 use std::process::{Command, Stdio};
 
@@ -75,6 +76,132 @@ fn what_was_not_given_is_told_and_what_was_given_is_taken() {
     work.ballbar(&["program", "mine/test.toml"]).done();
     let check = ["check", "results/O1001.nc", "--test", "mine/test.toml"];
     assert!(work.ballbar(&check).done().stderr().contains("0 error(s), 0 warning(s)"));
+}
+
+/// Of a plane of Ballbar 20 in the order of driving, the CCW run second; readings are eccentric, X is 60 um/m too long, and
+/// the axes are 80 um/m out of square.
+fn measured_plane(plane: &str, name: &str, arc_deg: f64, um: bool) -> String {
+    measured_at(1800, plane, name, arc_deg, um)
+}
+
+/// The same with so many readings a run.
+fn measured_at(count: u32, plane: &str, name: &str, arc_deg: f64, um: bool) -> String {
+    let mut text = format!(
+        "<TEST><TEST_SPEC NAME=\"{name}\"/><NOMINAL_LENGTH>150</NOMINAL_LENGTH><PROGRAMMED_FEEDRATE>1500</PROGRAMMED_FEEDRATE>\
+         <PLANE TEST_PLANE=\"{plane}\"/><MACHINE_TESTED NAME=\"DMU 50\"/><DATE_STARTED>20251218-194332</DATE_STARTED>"
+    );
+    let begins = if arc_deg < 360.0 { 90.0 - 0.5 * arc_deg } else { 0.0 };
+    for direction in ["CW", "CCW"] {
+        write!(text, "<BALLBAR_RUN><RUN_DIRECTION>{direction}</RUN_DIRECTION><READINGS>").unwrap();
+        for k in 0..count {
+            let along = arc_deg * (f64::from(k) + 0.5) / f64::from(count);
+            let angle = begins + if direction == "CW" { arc_deg - along } else { along };
+            let (sin, cos) = angle.to_radians().sin_cos();
+            let um_read = 7.0 * cos - 4.0 * sin + 150e-3 * (60.0 * cos * cos + 80.0 * cos * sin);
+            write!(text, "{:.5} ", if um { um_read } else { um_read * 1e-3 }).unwrap();
+        }
+        text += "</READINGS></BALLBAR_RUN>";
+    }
+    text + "</TEST>"
+}
+
+#[test]
+fn what_ballbar_20_measured_is_analysed_with_two_commands() {
+    let work = Work::new();
+    for (plane, name, arc_deg, um, axes) in [
+        ("XY", "XY 360 grad 150mm", 360.0, false, ["X", "Y"]),
+        ("ZY", "YZ 220grad", 220.0, true, ["Y", "Z"]),
+    ] {
+        work.write("monday.b5r", measured_plane(plane, name, arc_deg, um));
+        let mine = format!("mine-{plane}");
+        let outcome = work.ballbar(&["init", &mine, "--from", "monday.b5r"]).done();
+        let test = format!("{mine}/test.toml");
+        assert!(outcome.stdout().contains("O1001.nc"), "{}", outcome.stdout());
+        let told = outcome.stderr();
+        for part in [
+            &format!("{arc_deg} degrees, 150 mm, 1500 mm/min, DMU 50"),
+            &format!("next: ballbar analyse {test}"),
+            "--travel",
+        ] {
+            assert!(told.contains(part), "{part}\n{told}");
+        }
+        assert!(!told.contains("--feed") && !told.contains("--bar"), "not left open: {told}");
+        let json = work.ballbar(&["analyse", &test, "--json"]).done().stdout();
+        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+        assert_eq!(json["test"]["date"], "2025-12-18");
+        let quantity = |name: &str| {
+            let all = json["at_the_place"].as_array().unwrap();
+            let of = all.iter().find(|of| of["quantity"] == name).unwrap();
+            [&of["value"], &of["all"]].map(|value| value.as_f64().unwrap())
+        };
+        let [first, second] = axes;
+        // An angle that is too wide or too narrow: its sign is that of the axes' order.
+        let [squareness, all] = quantity(&format!("squareness {first}{second}"));
+        assert!((squareness.abs() - 80.0).abs() < 3.0 * all, "{plane}: {squareness} +- {all}");
+        let [longer, all] = quantity(&format!("scale {first}"));
+        let shorter = quantity(&format!("scale {second}"))[0];
+        assert!((longer - shorter - 60.0).abs() < 3.0 * all, "{plane}: {longer} {shorter} {all}");
+    }
+}
+
+/// Fewer readings than the model has numbers: what is plausible determines the others, and *all* says so.
+#[test]
+fn a_few_readings_are_enough_where_the_rest_is_plausible() {
+    let work = Work::new();
+    work.write("few.b5r", measured_at(36, "XY", "XY 360 grad", 360.0, false));
+    work.ballbar(&["init", "few", "--from", "few.b5r"]).done();
+    let json = work.ballbar(&["identify", "few/test.toml", "--json"]).done().stdout();
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let all = json["at_the_place"].as_array().unwrap();
+    let squareness = all.iter().find(|of| of["quantity"] == "squareness XY").unwrap();
+    let [value, all] = [&squareness["value"], &squareness["all"]].map(|of| of.as_f64().unwrap());
+    assert!((value.abs() - 80.0).abs() < 3.0 * all, "{value} +- {all}");
+    // One run of 30 leaves nothing for the noise.
+    let one = measured_at(30, "XY", "XY 360 grad", 360.0, false);
+    let end = one.find("</BALLBAR_RUN>").unwrap() + "</BALLBAR_RUN>".len();
+    work.write("one.b5r", format!("{}</TEST>", &one[..end]));
+    work.ballbar(&["init", "one", "--from", "one.b5r"]).done();
+    let refused = work.ballbar(&["identify", "one/test.toml"]);
+    assert!(
+        refused.stderr().contains("30 samples on arcs cannot determine"),
+        "{}",
+        refused.stderr()
+    );
+}
+
+#[test]
+fn what_a_file_of_ballbar_20_leaves_open_is_told_by_options() {
+    let work = Work::new();
+    let plain = measured_plane("XY", "XY 360 grad", 360.0, false);
+    let partial = measured_plane("YZ", "test", 220.0, false);
+    let no_plane = plain.replace("<PLANE TEST_PLANE=\"XY\"/>", "");
+    let twice = plain.replace(">CCW<", ">CW<");
+    let round = "<FEATURE NAME=\"AF_CIRCULARITY\" DT=\"UT_LENGTH_MM\">0.5</FEATURE></BALLBAR_RUN>";
+    let other = plain.replace("</BALLBAR_RUN>", round);
+    for (text, given, told) in [
+        (&no_plane, &[][..], "`--test xy`, `--test yz` or `--test zx`"),
+        (&plain, &["--test", "yz"], "the plane xy, and `--test yz` is another"),
+        (&twice, &[], "0 run(s) CCW and 2 CW"),
+        (&partial, &[], "with `--arc` the degrees that were measured"),
+        (&other, &[], "such as `--unit um --arc 220`"),
+        (&"time_s,deviation_um\n0,1\n1,1\n".to_owned(), &[], "this is a table of readings"),
+    ] {
+        work.write("monday.b5r", text);
+        let message =
+            work.ballbar(&[&["init", "mine", "--from", "monday.b5r"], given].concat()).refused(1);
+        assert!(message.contains(told), "{told}\n{message}");
+        assert!(!work.path("mine").exists(), "nothing half-written");
+    }
+    for (folder, text, given) in [
+        ("a", &no_plane, &["--test", "xy"][..]),
+        ("b", &partial, &["--arc", "220"]),
+        ("c", &other, &["--unit", "mm", "--arc", "360"]),
+    ] {
+        work.write("monday.b5r", text);
+        work.ballbar(&[&["init", folder, "--from", "monday.b5r"], given].concat()).done();
+        work.ballbar(&["align", &format!("{folder}/test.toml")]).done();
+    }
+    assert_eq!(work.ballbar(&["init", "mine", "--arc", "220"]).code(), 2, "an arc of nothing");
 }
 
 #[test]

@@ -4,6 +4,7 @@
 
 mod archive;
 mod begin;
+mod blind;
 mod check;
 mod circular;
 mod compensate;

@@ -3,6 +3,8 @@
 use std::fmt::Write as _;
 use std::ops::Range;
 
+use ballbar::identify::{Campaign, Failure};
+use ballbar::plan::Test;
 use ballbar::trial::{Class, Course, Grid, Request, Session};
 
 /// What was hidden in these trials, and what was made of it: the same every time.
@@ -80,7 +82,7 @@ fn a_trial_of_the_grid_finds_nothing_in_an_empty_campaign_and_says_what_it_was()
     assert_eq!(one.off_by.len(), 15);
     assert!(one.off_by.iter().all(|off| off.alls.abs() < 4.0), "{:?}", one.off_by);
     let files = grid.files(request).unwrap();
-    let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
+    let names: Vec<&str> = files.files.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names, ["machine.toml", "program1.nc", "run1-1.csv", "truth.toml", "test.toml"]);
 }
 
@@ -93,4 +95,19 @@ fn in_one_run_of_one_plane_two_effects_are_named() {
         assert!(outcome.strata.contains(&(factor, value.to_owned())), "{:?}", outcome.strata);
     }
     assert_eq!(outcome.judgement.verdict.name(), "right", "{outcome:?}");
+}
+
+/// Two effects of some hundred times the noise: until they are known, times are pulled far and wide. An error says nothing.
+#[test]
+fn what_the_model_is_far_from_comes_to_rest_all_the_same() {
+    let campaign =
+        Grid { seed: 3, size_mm: None }.files(Request { class: Class::Two, index: 15 }).unwrap();
+    let work = tempfile::tempdir().unwrap();
+    for (name, text) in &campaign.files {
+        std::fs::write(work.path().join(name), text).unwrap();
+    }
+    let test = Test::read(&work.path().join("test.toml")).unwrap();
+    let campaign = Campaign::of(&test, &test.machine().unwrap(), Failure::Refuse, &|| ()).unwrap();
+    let runs: usize = campaign.repeats.iter().map(|repeat| repeat.runs.len()).sum();
+    assert_eq!((runs, campaign.left_out.len()), (test.runs().unwrap().len(), 0));
 }

@@ -17,7 +17,7 @@ pub(crate) fn path_from(directory: &Path, file: &Path) -> Result<String> {
         up.chain(to.components().skip(common)).collect()
     };
     let text = path.to_str().ok_or_else(|| {
-        Error::new(Kind::Output, "a test file cannot name a machine file whose path is no text")
+        Error::new(Kind::Output, "a test file cannot name a file whose path is no text")
             .at(Place::file(file))
             .hint("give the file and its directories names in UTF-8")
     })?;
