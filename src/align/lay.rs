@@ -59,10 +59,6 @@ fn aligned(run: &Run) -> Result<Alignment> {
             other.ok_or(error)?
         }
     };
-    if excess.sigma > 0.0 {
-        draft.time_map.fit_marks(&draft.marks, run.rig.bar.clock_tolerance, true)?;
-    }
-    refuse_inconsistent(run.log, &draft.time_map, &draft.marks)?;
     draft.find_pauses(run.log);
     draft.time_map.override_excess = excess.share;
     draft.time_map.override_sigma = excess.sigma;
@@ -82,11 +78,19 @@ struct Excess {
 /// out, within what they plausibly take. A release and the next engagement may be known to a millisecond each, and where the
 /// acceleration is not the stated one the pause of two seconds between them is a poor measure of a feed.
 fn at_real_feed(run: &Run, observed: &[Range<usize>]) -> Result<(Draft, Excess)> {
-    let error = match at_feed_of(run, observed, UNEQUAL_DELAY_S) {
+    let consistent = |standing_s: f64| {
+        let (mut draft, excess) = at_feed_of(run, observed, standing_s)?;
+        if excess.sigma > 0.0 {
+            draft.time_map.fit_marks(&draft.marks, run.rig.bar.clock_tolerance, true)?;
+        }
+        refuse_inconsistent(run.log, &draft.time_map, &draft.marks)?;
+        Ok((draft, excess))
+    };
+    let error = match consistent(UNEQUAL_DELAY_S) {
         Ok(found) => return Ok(found),
         Err(error) => error,
     };
-    at_feed_of(run, observed, EXCESS_S).map_err(|_| error)
+    consistent(EXCESS_S).map_err(|_: Error| error)
 }
 
 /// The same with each standstill within so much of the program's, s: what the clock cannot explain is the feed, unless it was
