@@ -174,9 +174,7 @@ impl Fit<'_> {
             // The smooth fit only has to come near, and a fit that still moves by a little of the noise is
             // a result.
             if steps == MOST_STEPS && near {
-                let outcome = self.settled(stand, steps);
-                self.state.settled = detail == timing::Detail::Smooth;
-                return Ok(outcome);
+                return Ok(self.hardly_settled(stand, detail));
             }
             if steps <= FINDING_STEPS && self.state.correlated <= 1.0 {
                 self.state.sigma_mm =
@@ -187,7 +185,10 @@ impl Fit<'_> {
                 kept = Some(stand);
             }
         }
-        Err(unsettled())
+        // The last steps may have been halved.
+        let Some(stand) = kept.filter(|stand| stand.near) else { return Err(unsettled()) };
+        self.stand_at(&stand);
+        Ok(self.hardly_settled(stand, detail))
     }
 
     /// Chooses which samples take part as times are now: all anew, or none that was left out before.
@@ -275,6 +276,13 @@ impl Fit<'_> {
             run.alignment.time_map.clone_from(map);
             run.place();
         }
+    }
+
+    /// The end of a round that has not quite come to rest: a smooth one only has to come near.
+    fn hardly_settled(&mut self, stand: Stand, detail: timing::Detail) -> Outcome {
+        let outcome = self.settled(stand, MOST_STEPS);
+        self.state.settled = detail == timing::Detail::Smooth;
+        outcome
     }
 
     /// The end of a round that has come to rest, with the noise that its last solution left.
