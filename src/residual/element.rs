@@ -92,6 +92,11 @@ impl Element {
         self.shape().is_some_and(|shape| matches!(shape.law(), Law::Corner(_)))
     }
 
+    /// Whether it is a slide that follows later than others.
+    pub fn is_delay(&self) -> bool {
+        self.shape().is_some_and(|shape| shape.delays().is_some())
+    }
+
     fn inner(&self) -> Option<&'static Inner> {
         self.shape()?.law().inner()
     }

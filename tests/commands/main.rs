@@ -31,5 +31,6 @@ mod refused;
 mod safe;
 mod settings;
 mod talk;
+mod together;
 mod volume;
 mod work;

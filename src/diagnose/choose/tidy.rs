@@ -60,7 +60,12 @@ impl Search<'_> {
             others.remove(index);
             let start = self.fit_others(others);
             let most = best.elements.len() + 1;
-            let instead = self.forward(start, false, most).filter(|tried| {
+            // The fit lets slides follow unlike in any case: their delays take no room from other causes.
+            let causes = self.forward(start, false, most).and_then(|tried| {
+                let delays = tried.elements.iter().filter(|e| e.is_delay()).count();
+                self.forward(Some(tried), false, most + delays)
+            });
+            let instead = causes.filter(|tried| {
                 let beside = self.beside(Some(tried));
                 score_mm2(&beside, tried) > INSTEAD_OF_A_CURVE * score_mm2(&beside, &best)
             });

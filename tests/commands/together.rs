@@ -1,0 +1,41 @@
+//! Causes that only together explain what a machine does.
+
+use crate::work::{Work, project};
+
+/// Its servo loop, its screw and its friction: a curve over the velocity explains more than the first of them alone, and less
+/// than all.
+#[test]
+fn one_axis_with_three_faults_has_all_three_named() {
+    let work = Work::new();
+    work.write("machine.toml", std::fs::read(project().join("machines/hu40t.toml")).unwrap())
+        .write("fast.toml", "sample_rate_hz = 50\nseed = 3\n")
+        .test("[plan]\nstrategy = \"3d6\"\nfeed_mm_min = 2750.0\n");
+    let simulate = ["simulate", "test.toml", "--scenario", "fast.toml", "--repeats", "2"];
+    let hidden = [
+        "servo:on=Z,delay_ms=1.75",
+        "cyclic:on=EZZ,amplitude_um=7.9,period_mm=30.2,phase_rad=2",
+        "reversal-spike:on=Z,amplitude_um=54,decay_ms=137",
+    ]
+    .map(|effect| ["--hide", effect]);
+    work.ballbar(&[&simulate[..], hidden.as_flattened()].concat()).done();
+    let told = work.ballbar(&["diagnose", "results/test.toml", "--json"]).done().stdout();
+    let told: serde_json::Value = serde_json::from_str(&told).unwrap();
+    let findings = told["findings"].as_array().unwrap();
+    let number = |cause: &str, name: &str| {
+        let found = findings.iter().find(|found| found["cause"] == cause);
+        let numbers = found.unwrap_or_else(|| panic!("{cause}: {told}"))["numbers"].as_array();
+        let of = numbers.unwrap().iter().find(|number| number["name"] == name).unwrap();
+        of["value"].as_f64().unwrap()
+    };
+    assert_eq!(findings.len(), 3, "{told}");
+    for (cause, name, truth) in [
+        ("servo", "delay_ms", 1.75),
+        ("cyclic", "amplitude_um", 7.9),
+        ("cyclic", "period_mm", 30.2),
+        ("reversal-spike", "amplitude_um", 54.0),
+        ("reversal-spike", "decay_ms", 137.0),
+    ] {
+        let found = number(cause, name);
+        assert!((found / truth - 1.0).abs() < 0.01, "{cause}, {name}: {found}, not {truth}");
+    }
+}
