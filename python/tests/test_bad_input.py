@@ -46,7 +46,7 @@ def refused(call: Callable[[], object]) -> ballbar.Error:
         (np.arange(10.0)[::2], READINGS, "time_s", "a strided or Fortran-ordered array"),
         (TIMES[::-1], READINGS, "time_s", "a strided or Fortran-ordered array"),
         (np.ma.masked_array(TIMES), READINGS, "time_s", "a masked array where a float64 array of shape (n,)"),
-        (TIMES, np.ma.masked_array(READINGS, mask=[0, 1, 0, 0, 0]), "deviation_um", "its mask would be lost"),
+        (TIMES, np.ma.masked_array(READINGS, mask=[False, True, False, False, False]), "deviation_um", "its mask would be lost"),
         (TIMES, np.ma.masked_invalid(np.full(5, np.nan)), "deviation_um", "leave masked rows out"),
         (np.array([0.0, 1.0, np.nan, 3.0, 4.0]), READINGS, "time_s", "time 3 is NaN"),
         (np.array([0.0, 1.0, np.inf, 3.0, 4.0]), READINGS, "time_s", "time 3 is inf"),
