@@ -251,7 +251,7 @@ fn described(finding: &Finding) -> String {
         let sigma = number.sigma.map_or(String::new(), |sigma| format!(" +- {sigma:.4}"));
         let _ = writeln!(text, "    {} = {:.4}{sigma}", number.name, number.value);
     }
-    for rival in finding.rivals.iter().filter(|rival| rival.element.shape().is_some()) {
+    for rival in &finding.rivals {
         let apart = match rival.separation {
             Separation::Same => "the same in these runs",
             Separation::Undecided => "not decided within the noise",

@@ -20,6 +20,14 @@ pub enum Form {
 }
 
 impl Form {
+    /// What it is called in a table: `cyclic EXX 10.00 mm`.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Cause(shape) => shape.name(),
+            Self::Empirical(curve) => curve.name(),
+        }
+    }
+
     /// The term that it is.
     pub fn term(&self) -> &dyn Term {
         match self {

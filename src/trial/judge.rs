@@ -8,8 +8,8 @@
 use super::class::Class;
 use super::course::Course;
 use super::stage::{Stage, Trace};
-use crate::diagnose::{Finding, Owner, Searched, Separation};
-use crate::model::{Effect, Form, RUN, Shape};
+use crate::diagnose::{Element, Finding, Owner, Searched, Separation};
+use crate::model::{Effect, RUN, Shape};
 
 /// Correlation of two traces beyond which two effects are the same in the runs at hand.
 const SAME: f64 = 0.999;
@@ -219,19 +219,20 @@ fn told(course: &Course, finding: &Finding, effects: &[Effect]) -> Vec<Effect> {
     effects.iter().map(|effect| effect.clone().with(RUN, number as f64)).collect()
 }
 
-/// Whether a finding is a curve over what a hidden effect hangs on.
+/// Whether a finding is a curve over what a hidden effect hangs on, or one that these runs cannot tell from such
+/// a curve.
 fn over_its_variable(hidden: &Effect, finding: &Finding) -> bool {
-    let Form::Empirical(curve) = &finding.element.form else { return false };
     let over = hidden.cause.law(hidden.seat).over();
-    over.zip(hidden.seat.axis()).is_some_and(|(over, axis)| (over.variable)(axis) == curve.variable)
+    let Some((over, axis)) = over.zip(hidden.seat.axis()) else { return false };
+    let is_over_it = |of: &Element| of.curve().is_some_and(|c| c.variable == (over.variable)(axis));
+    let same = finding.rivals.iter().filter(|rival| rival.separation == Separation::Same);
+    is_over_it(&finding.element)
+        || finding.element.curve().is_some() && same.map(|rival| &rival.element).any(is_over_it)
 }
 
 /// A finding in words: `cyclic EXX 10 mm 1.02 um (= cyclic EZX 10 mm) (? servo X)`.
 fn text(finding: &Finding) -> String {
-    let name = match &finding.element.form {
-        Form::Cause(shape) => shape.name(),
-        Form::Empirical(curve) => curve.name(),
-    };
+    let name = finding.element.form.name();
     let mut text = format!("{name} {:.3} um", 1e3 * finding.rms_mm);
     if let Owner::One { repeat, run } = finding.owner() {
         text = format!("{text} in repeat {} run {}", repeat + 1, run + 1);
@@ -242,9 +243,7 @@ fn text(finding: &Finding) -> String {
             Separation::Undecided => "?",
             Separation::Apart => continue,
         };
-        if let Some(shape) = rival.element.shape() {
-            text = format!("{text} ({mark} {})", shape.name());
-        }
+        text = format!("{text} ({mark} {})", rival.name());
     }
     text
 }

@@ -2,7 +2,6 @@
 
 use serde::{Serialize, Serializer};
 
-use crate::model::Shape;
 use crate::residual::{self, Beside, Element, Fitted};
 
 /// Another explanation of the same.
@@ -19,17 +18,14 @@ pub struct Rival {
 }
 
 impl Rival {
-    /// What it is called, such as `cyclic EBX 10 mm`; empty of a curve without a cause.
+    /// What it is called, such as `cyclic EBX 10 mm`.
     pub fn name(&self) -> String {
-        self.element.shape().map_or_else(String::new, Shape::name)
+        self.element.form.name()
     }
 }
 
 fn name<S: Serializer>(element: &Element, serializer: S) -> Result<S::Ok, S::Error> {
-    match element.shape() {
-        Some(shape) => serializer.serialize_str(&shape.name()),
-        None => serializer.serialize_str(""),
-    }
+    serializer.serialize_str(&element.form.name())
 }
 
 /// Whether two explanations can be told apart.

@@ -4,17 +4,15 @@ use std::cmp::Ordering;
 
 use super::found::{Rival, Separation};
 use super::search::Search;
+use crate::diagnose::seek::curves;
 use crate::diagnose::thresholds::{ONE_NUMBER, SAME, UNDECIDED_SIGMAS, threshold_mm2};
-use crate::model::{Component, Inner, Law, Seat, Start};
+use crate::model::{Component, Form, Inner, Law, Seat, Start};
 use crate::residual::{self, Column, Element, Fitted, Noise};
 
 impl Search<'_> {
     /// What else an element could be; and all effects with a better one in its place, if there is one.
     pub(crate) fn rivals(&self, fitted: &Fitted, index: usize) -> (Option<Fitted>, Vec<Rival>) {
         let element = &fitted.elements[index];
-        if element.shape().is_none() {
-            return (None, Vec::new());
-        }
         let all = self.beside(Some(fitted));
         let mut others = fitted.elements.clone();
         others.remove(index);
@@ -24,12 +22,18 @@ impl Search<'_> {
             return (None, Vec::new());
         };
         let tried = match others {
+            _ if element.shape().is_none() => {
+                curves::over_each(&prospect.beside, &prospect.looks, all.noise())
+            }
             None if !self.first.is_empty() => self.first.clone(),
             _ => self.all_in(&prospect, threshold_mm2(&all)),
         };
-        let duel = Duel { noise: all.noise(), trace: own.outside(&prospect.beside), own: &own };
+        let noise = all.noise();
+        let pieces = (all.left_mm2() / noise.long_run_mm2).max(1.0);
+        let trace = own.outside(&prospect.beside);
+        let duel = Duel { noise, pieces, own: &own, trace };
         let mut rivals = Vec::new();
-        let mut better: Option<Element> = None;
+        let mut better: Option<Fitted> = None;
         for other in tried {
             let rival = &other.fitted.elements[0];
             if alike(rival, element) {
@@ -38,22 +42,21 @@ impl Search<'_> {
             let trace = other.fitted.outside(&prospect.beside);
             let less_mm2 = duel.less_mm2(&other.fitted);
             let separation = duel.separation(&trace, less_mm2);
+            let first = duel.named_first(&other.fitted, &own);
             let preferred = match separation {
-                Separation::Same | Separation::Undecided => {
-                    simpler(rival, element) == Ordering::Less
-                }
+                Separation::Same | Separation::Undecided => first,
                 Separation::Apart => less_mm2 < 0.0,
             };
-            // Of what hardly differs, the one that is named first, and never back again.
-            if preferred && better.as_ref().is_none_or(|b| simpler(rival, b) == Ordering::Less) {
-                better = Some(rival.clone());
-            }
             let share = other.fitted.gain_mm2 / own.gain_mm2;
             rivals.push(Rival { element: rival.clone(), share, separation });
+            // Of what hardly differs, the one that is named first, and never back again.
+            if preferred && better.as_ref().is_none_or(|b| duel.named_first(&other.fitted, b)) {
+                better = Some(other.fitted);
+            }
         }
         let better = better.and_then(|instead| {
             let mut elements = fitted.elements.clone();
-            elements[index] = instead;
+            elements.splice(index..=index, instead.elements);
             self.fit_all(elements)
         });
         (better, rivals)
@@ -63,6 +66,8 @@ impl Search<'_> {
 /// One explanation held against others.
 struct Duel<'a> {
     noise: &'a Noise,
+    /// How many readings would say as much if they were independent.
+    pieces: f64,
     own: &'a Fitted,
     /// What it does outside of everything else.
     trace: Column,
@@ -74,6 +79,30 @@ impl Duel<'_> {
     fn less_mm2(&self, other: &Fitted) -> f64 {
         let by_chance = |of: &Fitted| self.noise.by_chance_mm2(of.columns.len());
         self.own.gain_mm2 - by_chance(self.own) - other.gain_mm2 + by_chance(other)
+    }
+
+    /// Which of two explanations that do equally well is named first. Of causes that is a question of what
+    /// people know; of curves, see [`Self::likelier`].
+    fn named_first(&self, one: &Fitted, other: &Fitted) -> bool {
+        let (a, b) = (&one.elements[0], &other.elements[0]);
+        match a.curve().and(b.curve()) {
+            Some(_) => self.likelier(one, other),
+            None => simpler(a, b) == Ordering::Less,
+        }
+    }
+
+    /// Whether the readings make one curve likelier than another, with a law for its numbers as wide as all of
+    /// them: `gain - k v ln n`, `n` what is independent of the readings (Schwarz 1978). Where knots, and not
+    /// noise, are what the gains differ by, the one that needs fewer: a curve by direction takes the shape of
+    /// another variable's with many.
+    fn likelier(&self, one: &Fitted, other: &Fitted) -> bool {
+        let (a, b) = (one.columns.len(), other.columns.len());
+        if (one.gain_mm2 - other.gain_mm2).abs() < SAME * one.gain_mm2.max(other.gain_mm2) && a != b
+        {
+            return a < b;
+        }
+        let price_mm2 = self.noise.long_run_mm2 * self.pieces.ln();
+        one.gain_mm2 - a as f64 * price_mm2 > other.gain_mm2 - b as f64 * price_mm2
     }
 
     /// Whether these runs tell another one apart, which explains so much less: with traces `t` and `t'` the
@@ -93,9 +122,16 @@ impl Duel<'_> {
     }
 }
 
-/// The same cause on the same seat; of periods only those that are one after the closer look.
+/// The same cause on the same seat; of periods only those that are one after the closer look. Of curves all over the
+/// same variable: which error function it is that hangs on it, the best of them says.
 fn alike(a: &Element, b: &Element) -> bool {
-    let (Some(a), Some(b)) = (a.shape(), b.shape()) else { return false };
+    let (a, b) = match (&a.form, &b.form) {
+        (Form::Cause(a), Form::Cause(b)) => (a, b),
+        (Form::Empirical(a), Form::Empirical(b)) => {
+            return a.variable == b.variable && a.with_sense == b.with_sense;
+        }
+        _ => return false,
+    };
     // Long time constants are one straight line.
     let straight = matches!(a.law().inner(), Some(Inner { start: Start::TimeConstants(..), .. }));
     // Another delay that all slides share is another estimate of the first one.

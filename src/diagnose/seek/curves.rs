@@ -1,5 +1,7 @@
 //! What is there whatever its cause: curves of any shape over everything that effects may hang on.
 
+use std::collections::BTreeSet;
+
 use rayon::prelude::*;
 
 use super::candidate::Tried;
@@ -32,6 +34,11 @@ struct Curve {
 }
 
 impl Curve {
+    fn fitted(&self, beside: &Beside) -> Option<Fitted> {
+        let form = Form::Empirical(self.empirical.clone());
+        residual::fit(beside, vec![Element::new(form, Owner::All)])
+    }
+
     /// The curve without the knots that it does not need: between which it is straight, up to chance.
     ///
     /// A knot is gone when the curve there lies on the line between its neighbours, `w^T a = 0`; that costs
@@ -94,22 +101,46 @@ pub(crate) fn best(
     let first_mm2 = close.first()?.score_mm2;
     close.retain(|curve| curve.score_mm2 > WORTH_A_FIT * first_mm2);
     close.truncate(FITTED);
-    let fit = |curve: &Curve| {
-        let form = Form::Empirical(curve.empirical.clone());
-        residual::fit(beside, vec![Element::new(form, Owner::All)])
-    };
-    let fitted = close.into_par_iter().filter_map(|curve| Some((fit(&curve)?, curve)));
-    let fitted: Vec<(Fitted, Curve)> = fitted.collect();
+    let fitted =
+        close.into_par_iter().filter_map(|curve| Some((curve.fitted(beside)?, curve.empirical)));
+    let fitted: Vec<(Fitted, Empirical)> = fitted.collect();
     let (fitted, curve) =
         fitted.into_iter().max_by(|a, b| a.0.gain_mm2.total_cmp(&b.0.gain_mm2))?;
     // What the curve explains is no noise: beside that, more knots may show more.
     let after = Noise::of(beside.residuals, &fitted.left_mm(beside));
-    let channel = channels.iter().find(|channel| curve.empirical.dependence() == channel.of)?;
-    let looks = KNOTS.iter().filter_map(|knots| look(channel, *knots, &after));
+    let best = as_fine_as_needed(beside, channels, &curve, &after)?;
+    (best.score_mm2 > least_mm2).then_some(best)
+}
+
+/// The best curve over each variable, of those that explain nearly as much as the best of all; `noise` is what
+/// is left beside everything.
+pub(crate) fn over_each(beside: &Beside, channels: &[Look], noise: &Noise) -> Vec<Tried> {
+    let mut close = curves(channels, noise);
+    let first_mm2 = close.first().map_or(0.0, |curve| curve.score_mm2);
+    let mut over = BTreeSet::new();
+    close.retain(|Curve { empirical, score_mm2 }| {
+        *score_mm2 > WORTH_A_FIT * first_mm2
+            && over.insert((empirical.variable, empirical.with_sense))
+    });
+    let fitted = close.into_par_iter();
+    fitted
+        .filter_map(|curve| as_fine_as_needed(beside, channels, &curve.empirical, noise))
+        .collect()
+}
+
+/// A curve over the same with as many knots as show something beside this noise, fitted to the samples.
+fn as_fine_as_needed(
+    beside: &Beside,
+    channels: &[Look],
+    curve: &Empirical,
+    noise: &Noise,
+) -> Option<Tried> {
+    let channel = channels.iter().find(|channel| curve.dependence() == channel.of)?;
+    let looks = KNOTS.iter().filter_map(|knots| look(channel, *knots, noise));
     let finest = looks.max_by(|a, b| a.score_mm2.total_cmp(&b.score_mm2))?;
-    let fitted = fit(&finest.thinned(channel, &after))?;
-    let score_mm2 = fitted.gain_mm2 - after.by_chance_mm2(fitted.columns.len());
-    (score_mm2 > least_mm2).then_some(Tried { fitted, score_mm2 })
+    let fitted = finest.thinned(channel, noise).fitted(beside)?;
+    let score_mm2 = fitted.gain_mm2 - noise.by_chance_mm2(fitted.columns.len());
+    Some(Tried { fitted, score_mm2 })
 }
 
 /// What the best curve explains at the first look, mm².

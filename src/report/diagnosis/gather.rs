@@ -174,7 +174,7 @@ fn rivals(of: &[Rival]) -> Vec<Rival> {
         Separation::Undecided => 1,
         Separation::Apart => 2,
     };
-    let mut sorted: Vec<&Rival> = of.iter().filter(|of| of.element.shape().is_some()).collect();
+    let mut sorted: Vec<&Rival> = of.iter().collect();
     sorted.sort_by(|a, b| order(a).cmp(&order(b)).then(b.share.total_cmp(&a.share)));
     let mut names = BTreeSet::new();
     sorted.retain(|rival| names.insert(rival.name()));
