@@ -56,9 +56,8 @@ impl Control {
         if self.standing_s[1] <= 0.0 {
             return Ok(planned);
         }
-        let mut program = program.clone();
-        program.steps = self.steps(&program.steps, &planned, seed);
-        Ok(Trajectory::new(&program, &machine, feed_override))
+        let steps = self.steps(program, &planned, seed);
+        Ok(Trajectory::new(&Program { steps, ..program.clone() }, &machine, feed_override))
     }
 
     /// Nothing but the slides may differ from a motion that was recorded.
@@ -76,12 +75,13 @@ impl Control {
     }
 
     /// The steps with every standstill as long as it takes.
-    fn steps(&self, steps: &[Step], planned: &Trajectory, seed: u64) -> Vec<Step> {
+    fn steps(&self, program: &Program, planned: &Trajectory, seed: u64) -> Vec<Step> {
         let mut stream = Stream::new(seed, Purpose::Standstills);
-        // A program's end has no block.
+        // What comes before the first move has no block, nor has a program's end.
+        let (before, steps) = program.steps.split_at(program.first_move());
         let moving = steps.iter().filter(|step| step.action != Action::End);
         let blocks = planned.blocks();
-        let mut longer = Vec::with_capacity(steps.len());
+        let mut longer = before.to_vec();
         for (index, (step, block)) in moving.zip(blocks).enumerate() {
             let stands_next = blocks
                 .get(index + 1)

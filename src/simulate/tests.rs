@@ -7,7 +7,7 @@ use crate::log;
 use crate::machine::{Machine, Mounting};
 use crate::model::{Coefficient, SetUp};
 use crate::motion::{BlockKind, Trajectory};
-use crate::nc::{self, Program};
+use crate::nc::{self, Action, Program};
 use crate::plan::BallBar;
 
 struct Bench {
@@ -376,4 +376,29 @@ fn a_machine_is_drawn_from_what_is_plausible() {
     }
     // A normal variable within two deviations has the variance 0.774.
     assert!((squares / (50.0 * 72.0) - 0.774).abs() < 0.05, "{squares}");
+}
+
+/// Two operator's stops come before the first move, as in every program that begins with a retraction.
+#[test]
+fn longer_standstills_stand_where_the_program_does() {
+    let bench = bench();
+    let mut program = bench.program.clone();
+    let stop = *program.steps.iter().find(|step| step.action == Action::Stop).unwrap();
+    program.steps.splice(0..0, [stop, stop]);
+    let control = Control { standing_s: [0.01, 0.02], ..Control::AS_PLANNED };
+    let [planned, longer] = [Control::AS_PLANNED, control]
+        .map(|control| control.trajectory(&program, &bench.machine, 1.0, 3).unwrap());
+    let stands = |kind: BlockKind| matches!(kind, BlockKind::Dwell | BlockKind::Stop);
+    let moves = |of: &Trajectory| -> Vec<(usize, bool)> {
+        let moves = of.blocks().iter().filter(|block| !stands(block.kind));
+        moves.map(|block| (block.line, block.ends_at_rest())).collect()
+    };
+    assert_eq!(moves(&longer), moves(&planned));
+    let stops = |of: &Trajectory| of.blocks().iter().filter(|b| b.kind == BlockKind::Stop).count();
+    assert_eq!(stops(&longer), stops(&planned));
+    let dwells = |of: &Trajectory| of.duration().dwell_s;
+    let rests =
+        longer.blocks().iter().filter(|block| block.kind == BlockKind::Dwell).count() as f64;
+    let more_s = dwells(&longer) - dwells(&planned);
+    assert!(more_s > 0.01 * rests && more_s < 0.02 * rests, "{more_s} s in {rests}");
 }
