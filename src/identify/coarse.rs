@@ -31,7 +31,8 @@ impl Fit<'_> {
         })
     }
 
-    fn find_facets(&mut self, look: Look) -> bool {
+    /// Whether the facets of any leg were found that were not before.
+    pub(super) fn find_facets(&mut self, look: Look) -> bool {
         let mut found = false;
         for run in &mut self.runs {
             found |= facets::find(self.model, &self.state.values, run, look);

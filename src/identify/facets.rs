@@ -209,6 +209,29 @@ fn peaks(curve: &[(f64, f64)]) -> Vec<(f64, f64)> {
     peaks
 }
 
+/// The least that may be left of a sample whose middle is so long after a reversal of the program, from what is left with the
+/// senses before and after it, mm: its slide turns up to [`TURNING_S`] earlier or later. A single reading is read on one
+/// side, the mean of a window on both.
+fn turning_mm([before_mm, after_mm]: [f64; 2], since_s: f64, window_s: f64) -> f64 {
+    let ends_mm = [-TURNING_S, TURNING_S].map(|earlier_s| {
+        let since_s = since_s + earlier_s;
+        let after = if window_s > 0.0 {
+            (since_s / window_s + 0.5).clamp(0.0, 1.0)
+        } else {
+            f64::from(u8::from(since_s > 0.0))
+        };
+        before_mm + after * (after_mm - before_mm)
+    });
+    let [one_mm, other_mm] = ends_mm;
+    if window_s > 0.0 && one_mm * other_mm < 0.0 {
+        0.0
+    } else if one_mm.abs() < other_mm.abs() {
+        one_mm
+    } else {
+        other_mm
+    }
+}
+
 /// What a shift of a leg leaves.
 struct Misfit {
     /// Sum of squares with the steps at reversals, mm².
@@ -256,6 +279,12 @@ impl<'a> LegReadings<'a> {
         last - first
     }
 
+    /// Over so long a sample goes, s; 0 of a single reading.
+    fn window_s(&self) -> f64 {
+        let alignment = &self.run.alignment;
+        if alignment.averaged > 1 { alignment.sample_period_s } else { 0.0 }
+    }
+
     /// Sum of squares with steps a shift later, and by how much facets lower it.
     ///
     /// `min over a of sum (left - a (facet - mean facet))²`, `0 <= a <= 1`: by how much a control rounds facets out is not
@@ -266,15 +295,22 @@ impl<'a> LegReadings<'a> {
         let length_mm = |pose: &Pose, sample: &Sample| {
             self.model.length_mm(self.values, pose, &sample.motion, self.run.mounting)
         };
+        let window_s = self.window_s();
+        let zone_s = TURNING_S + 0.5 * window_s;
         let pairs: Vec<[f64; 2]> = self
             .readings
             .iter()
             .map(|(sample, slow_mm)| {
                 let program_s = sample.program_s + shift_s;
                 let state = trajectory.at(program_s);
-                let mean_mm = alignment.mean_mm(sample.leg, program_s, SMOOTH_S);
-                let facet_mm =
-                    (state.position_mm - coincidence_mm).norm() - alignment.radius_mm - mean_mm;
+                let mean_mm = |over_s: f64| alignment.mean_mm(sample.leg, program_s, over_s);
+                // A sample that is the mean of readings has the mean of the facets that went by.
+                let commanded_mm = if window_s > 0.0 {
+                    mean_mm(window_s)
+                } else {
+                    (state.position_mm - coincidence_mm).norm() - alignment.radius_mm
+                };
+                let facet_mm = commanded_mm - mean_mm(SMOOTH_S);
                 let left_mm = |sense: Vector3<f64>| {
                     if sense == sample.pose.sense {
                         return *slow_mm;
@@ -282,15 +318,16 @@ impl<'a> LegReadings<'a> {
                     let turned = Pose { sense, ..sample.pose };
                     slow_mm - (length_mm(&turned, sample) - length_mm(&sample.pose, sample))
                 };
-                let mut least_mm = left_mm(state.sense);
-                let from = self.reversals_s.partition_point(|s| *s < program_s - TURNING_S);
-                if self.reversals_s.get(from).is_some_and(|s| *s < program_s + TURNING_S) {
-                    for aside_s in [-TURNING_S, TURNING_S] {
-                        let other_mm = left_mm(trajectory.at(program_s + aside_s).sense);
-                        least_mm =
-                            if other_mm.abs() < least_mm.abs() { other_mm } else { least_mm };
+                let before = self.reversals_s.partition_point(|s| *s < program_s - zone_s);
+                let near = self.reversals_s.get(before).filter(|s| **s < program_s + zone_s);
+                let least_mm = match near {
+                    None => left_mm(state.sense),
+                    Some(&reversal_s) => {
+                        let sides = [-zone_s, zone_s];
+                        let sides = sides.map(|s| left_mm(trajectory.at(program_s + s).sense));
+                        turning_mm(sides, program_s - reversal_s, window_s)
                     }
-                }
+                };
                 [least_mm, facet_mm]
             })
             .collect();
@@ -307,5 +344,25 @@ impl<'a> LegReadings<'a> {
         }
         let share = (both / facets).clamp(0.0, 1.0);
         Misfit { steps: left, facets: share * (2.0 * both - share * facets) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mean_over_a_reversal_lies_between_its_sides_and_a_reading_on_one_of_them() {
+        let is = |since_s: f64, window_s: f64, mm: f64| {
+            assert!((turning_mm([1.0, -3.0], since_s, window_s) - mm).abs() < 1e-12, "{since_s}");
+        };
+        // Of a window of 20 ms up to 10 ms earlier or later: at the reversal any mixture, 15 ms past it at least three quarters.
+        is(0.0, 0.02, 0.0);
+        is(0.015, 0.02, -2.0);
+        is(-0.02, 0.02, 1.0);
+        is(0.02, 0.02, -3.0);
+        is(-0.005, 0.0, 1.0);
+        is(0.005, 0.0, 1.0);
+        is(0.011, 0.0, -3.0);
     }
 }

@@ -1,6 +1,7 @@
 //! The joint fit of coefficients and time maps.
 
 use super::columns::Columns;
+use super::facets::Look;
 use super::input::{Options, RunInput};
 use super::result::Identification;
 use super::state::{State, Taking, apart};
@@ -191,6 +192,8 @@ impl<'a> Fit<'a> {
             if round == 0 {
                 self.let_go();
             }
+            // Times that were too uncertain for single chords may be told by now.
+            self.find_facets(Look::Again);
             outcome = self.iterate(timing::Detail::Full)?;
             self.state.sigma_mm = self.state.sigma_mm.min(most_mm);
         }

@@ -39,3 +39,24 @@ fn one_axis_with_three_faults_has_all_three_named() {
         assert!((found / truth - 1.0).abs() < 0.01, "{cause}, {name}: {found}, not {truth}");
     }
 }
+
+/// Chords of 15 ms, of which a mean of twenty readings sees what passed by, and a control that waits a while wherever it stands: the
+/// fit finds each arc's chords by their rounding, and leaves the noise of a mean.
+#[test]
+fn chords_shorter_than_a_mean_of_readings_tell_the_time_of_every_arc() {
+    let work = Work::new();
+    work.write("machine.toml", std::fs::read(project().join("machines/hu40t.toml")).unwrap())
+        .write(
+            "waits.toml",
+            "seed = 5\nsample_rate_hz = 1000\nresolution_um = 0.01\nfeed_override_percent = 104.0\n\
+             [noise]\nwhite_um = 0.05\ncorrelated_um = 0.0\n[motion]\nstanding_ms = [0, 40]\n",
+        )
+        .test("[plan]\nstrategy = \"3d6\"\nfeed_mm_min = 2650.0\n");
+    work.ballbar(&["simulate", "test.toml", "--scenario", "waits.toml"]).done();
+    let told = work.ballbar(&["identify", "results/test.toml", "--json"]).done().stdout();
+    let told: serde_json::Value = serde_json::from_str(&told).unwrap();
+    let run = &told["repeats"][0]["runs"][0];
+    let left_um = run["residual_rms_um"].as_f64().unwrap_or_else(|| panic!("{run}"));
+    let noise_um = 0.05 / 20_f64.sqrt();
+    assert!(left_um < 1.05 * noise_um, "{left_um} um, of {noise_um}");
+}
