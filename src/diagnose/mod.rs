@@ -154,7 +154,7 @@ pub fn watched(
         pictures,
         effects,
         arcs: arcs::arcs((searched, campaign), (residuals, shown), left_mm),
-        off_times: times::off(of_test, campaign),
+        off_times: times::off(of_test, shown),
         wrong_settings: standing.wrong_settings(),
         left_out: campaign.left_out.iter().map(|(run, error)| LeftOut::of(run, error)).collect(),
         extended: None,

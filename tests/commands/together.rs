@@ -60,3 +60,24 @@ fn chords_shorter_than_a_mean_of_readings_tell_the_time_of_every_arc() {
     let noise_um = 0.05 / 20_f64.sqrt();
     assert!(left_um < 1.05 * noise_um, "{left_um} um, of {noise_um}");
 }
+
+/// A ball that moved bends the times of the first fit; with it known, the feed is what the knob says, and is told once.
+#[test]
+fn the_feed_is_told_as_the_extended_model_has_it() {
+    let work = Work::new();
+    work.write("machine.toml", std::fs::read(project().join("machines/hu40t.toml")).unwrap())
+        .write("feed.toml", "seed = 5\nsample_rate_hz = 20\nfeed_override_percent = 104.0\n")
+        .test("[plan]\nstrategy = \"3d6\"\nfeed_mm_min = 1500.0\n");
+    let step = "repeated-step:on=EXt,step_um=-9,moment_s=161";
+    let simulate = ["simulate", "test.toml", "--scenario", "feed.toml", "--hide", step];
+    work.ballbar(&simulate).done();
+    let told = work.ballbar(&["analyse", "results/test.toml", "--json"]).done().stdout();
+    let told: serde_json::Value = serde_json::from_str(&told).unwrap();
+    let off = &told["diagnosis"]["off_times"][0];
+    let by_the_log = &told["repeats"][0]["runs"][0]["feed_override"];
+    assert_eq!(off["cause"], "feed-override", "{off}");
+    let number = |of: &serde_json::Value, name: &str| of[name].as_f64().unwrap();
+    let percent = number(off, "percent");
+    assert!((percent - 100.0 - number(by_the_log, "excess_percent")).abs() < 1e-9, "{off}");
+    assert!((percent - 104.0).abs() < 3.0 * number(off, "sigma_percent"), "{off}");
+}
