@@ -73,7 +73,6 @@ pub struct TimeMap {
 pub(super) const EXCESS_S: f64 = 0.05;
 /// And on average not longer than this, s.
 const LONGEST_EXCESS_S: f64 = 0.1;
-
 /// So far a control's feed plausibly is from its program's where nothing else says so: ramps that it drives otherwise.
 const PACE: f64 = 1e-3;
 /// Where the pace is known.
@@ -289,6 +288,11 @@ impl TimeMap {
             }
         }
         Ok(())
+    }
+
+    /// Takes the feed for known from the marks.
+    pub(crate) fn hold_pace(&mut self) {
+        self.pace_plausible = NO_PACE;
     }
 
     /// The same map with the rate 0, every leg set by the first mark of those that it hangs together with.

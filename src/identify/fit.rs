@@ -36,11 +36,18 @@ pub fn identify(model: &Model, runs: Vec<RunInput>, options: &Options) -> Result
         fit.weighed(outcome, steps)
     };
     let knows = model.parameters().iter().any(|parameter| parameter.plausible.is_some());
-    if !knows || !stands_for_several(&runs) {
-        return with(runs, Taking::Each);
-    }
+    let few = knows && stands_for_several(&runs);
     // Where some readings do not settle, all may.
-    with(runs.clone(), Taking::OneForSeveral).or_else(|_| with(runs, Taking::Each))
+    let found = |runs: Vec<RunInput>| {
+        if few {
+            with(runs.clone(), Taking::OneForSeveral).or_else(|_| with(runs, Taking::Each))
+        } else {
+            with(runs, Taking::Each)
+        }
+    };
+    // What the model does not have may be taken for a feed far from the truth, and a fit that runs after it never settles.
+    let at_told_feed = || runs.iter().cloned().map(RunInput::at_told_feed).collect();
+    found(runs.clone()).or_else(|error| found(at_told_feed()).map_err(|_| error))
 }
 
 /// What a model leaves of runs, mm rms of a reading: sought with as few readings as tell it, and nothing else said.

@@ -70,6 +70,12 @@ impl RunInput {
         self
     }
 
+    /// The same with the feed that engagement and release tell.
+    pub(super) fn at_told_feed(mut self) -> Self {
+        self.alignment.time_map.hold_pace();
+        self
+    }
+
     /// Its samples, in order.
     pub fn samples(&self) -> &[Sample] {
         &self.samples

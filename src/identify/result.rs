@@ -60,6 +60,11 @@ impl IdentifiedRun {
         self.taking(alignment)
     }
 
+    /// Whether its feed was taken from engagement and release alone, although readings might tell more of it.
+    pub(super) fn holds_pace(&self) -> bool {
+        self.alignment.time_map.pace_plausible < self.aligned.pace_plausible
+    }
+
     fn taking(&self, alignment: Alignment) -> RunInput {
         RunInput::new(self.name.clone(), self.mounting, self.nominal_mm, alignment)
     }

@@ -135,3 +135,12 @@ fn of_curves_that_do_the_same_the_simpler_is_told_and_the_other_beside_it() {
     assert!(only.text.contains("over velocity of Y"), "{}", only.text);
     assert!(only.text.contains("over position of X, by direction)"), "{}", only.text);
 }
+
+/// A ball that moves by 13 um in one run is laid to that run's feed, farther with every step: held to the feed that the bar's
+/// engagement tells, the fit comes to rest, and the knock is found.
+#[test]
+fn a_knock_that_seems_a_feed_is_found_at_the_feed_that_is_told() {
+    let grid = Grid { seed: 5, size_mm: None };
+    let outcome = grid.trial(Request { class: Class::Small, index: 3 }, false);
+    assert_eq!(outcome.judgement.verdict.name(), "right", "{outcome:?}");
+}
