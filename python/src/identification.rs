@@ -176,7 +176,8 @@ impl Identification {
     fn linearised(&self, py: Python<'_>) -> PyResult<Linearised> {
         work(py, || {
             let model = self.of.model(self.repeat)?;
-            self.result().linearised(&model, &self.of.options()).map(Linearised::new)
+            let linearised = self.result().linearised(&model, &self.of.options())?;
+            Ok(Linearised::new(self.of.clone(), self.repeat, linearised))
         })
     }
 

@@ -127,12 +127,14 @@ impl Problem {
 /// A fit as a linear problem: what a further column explains beside it; n readings, r directions.
 #[pyclass(frozen, module = "ballbar")]
 pub(crate) struct Linearised {
+    of: Identified,
+    repeat: usize,
     linearised: identify::Linearised,
 }
 
 impl Linearised {
-    pub(crate) fn new(linearised: identify::Linearised) -> Self {
-        Self { linearised }
+    pub(crate) fn new(of: Identified, repeat: usize, linearised: identify::Linearised) -> Self {
+        Self { of, repeat, linearised }
     }
 }
 
@@ -173,7 +175,9 @@ impl Linearised {
 
     /// Where each reading was taken, as :meth:`AlignedRun.columns`.
     fn columns<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        crate::columns::places(py, self.linearised.samples.iter().map(|s| &s.record.sample))
+        let runs = &self.of.campaign().repeats[self.repeat].runs;
+        let samples = self.linearised.samples.iter();
+        crate::columns::places(py, samples.map(|s| &runs[s.run].records[s.reading].sample))
     }
 
     fn __repr__(&self) -> String {

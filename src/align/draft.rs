@@ -1,8 +1,10 @@
 //! A log laid over a program at one feed: what belongs to what, before the samples have their places.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::breaks::Break;
+use super::engaged::Engaged;
 use super::engagement::{self, Engagement, Paired};
 use super::ramp::{self, Mark, MarkKind};
 use super::run::Run;
@@ -85,12 +87,8 @@ impl Draft {
 
     /// Gives the readings of the engagements their places in the program.
     pub(super) fn laid(self, run: &Run) -> Alignment {
-        let readings = self
-            .stretches
-            .iter()
-            .flat_map(|stretch| &run.log.readings()[stretch.clone()])
-            .filter(|reading| reading.deviation_mm.is_some());
-        let readings: Vec<Reading> = readings.copied().collect();
+        let engaged = Engaged::new(run.log, self.stretches);
+        let readings: Vec<Reading> = engaged.readings(&[]).collect();
         let period_s = run.log.sample_period_s();
         let averaged = window::readings(period_s);
         let first_s = run.log.readings().first().map_or(0.0, |reading| reading.time_s);
@@ -111,9 +109,9 @@ impl Draft {
             slips: Vec::new(),
             reversals: Reversals::of(&self.trajectory),
             sections,
-            windows: window::means(&readings, averaged, period_s),
+            windows: Arc::new(window::means(&readings, averaged, period_s)),
             averaged,
-            readings,
+            engaged,
             trajectory: self.trajectory,
             time_map: self.time_map,
             marks: self.marks,

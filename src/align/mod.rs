@@ -19,6 +19,7 @@ mod clipped;
 mod corners;
 mod data_arc;
 mod draft;
+mod engaged;
 mod engagement;
 mod following;
 mod lay;

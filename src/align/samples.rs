@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
+use super::engaged::Engaged;
 use super::engagement::Engagement;
 use super::following::Following;
 use super::mean_path::MeanPath;
@@ -111,21 +112,21 @@ pub struct Alignment {
     /// The path of each leg in its mean, once it was looked up.
     pub(super) means: Vec<Arc<Option<MeanPath>>>,
     pub(super) coincidence_mm: Vector3<f64>,
-    /// Readings in engagements.
-    pub(super) readings: Vec<Reading>,
+    /// Readings in engagements, as they are in the log.
+    pub(super) engaged: Engaged,
     /// Their means over windows: see [`Alignment::averaged`].
-    pub(super) windows: Vec<Reading>,
+    pub(super) windows: Arc<Vec<Reading>>,
 }
 
 impl Alignment {
     /// The readings, in a fast log their means, where the time map, as it is now, lays them.
     pub fn samples(&self) -> Vec<Sample> {
-        self.laid(&self.windows, self.averaged > 1)
+        self.laid(self.windows.iter().copied(), self.averaged > 1)
     }
 
     /// Every reading where the time map, as it is now, lays it.
     pub fn every_reading(&self) -> Vec<Sample> {
-        self.laid(&self.readings, false)
+        self.laid(self.engaged.readings(&self.slips), false)
     }
 
     /// In what parts of the program readings were cut off while the bar was engaged.
@@ -133,14 +134,14 @@ impl Alignment {
         let engaged = |program_s: f64| {
             self.engagements.iter().any(|e| (e.start_s..=e.end_s).contains(&program_s))
         };
-        let laid = self.laid(&self.clipped, false).into_iter();
+        let laid = self.laid(self.clipped.iter().copied(), false).into_iter();
         laid.filter(move |sample| engaged(sample.program_s)).map(|sample| sample.part)
     }
 
     /// The values that readings on arcs were cut off at, mm, each with how many.
     pub fn cut_off(&self) -> Vec<(f64, usize)> {
         let mut cut_mm: Vec<f64> = self
-            .laid(&self.clipped, false)
+            .laid(self.clipped.iter().copied(), false)
             .into_iter()
             .filter(|sample| matches!(sample.part, Part::Arc(_)))
             .map(|sample| sample.deviation_mm)
@@ -151,11 +152,11 @@ impl Alignment {
     }
 
     /// Readings where the time map lays them, means of a window with the bow of the path in it taken off.
-    fn laid(&self, readings: &[Reading], means: bool) -> Vec<Sample> {
+    fn laid(&self, readings: impl Iterator<Item = Reading>, means: bool) -> Vec<Sample> {
         let (trajectory, time_map) = (&self.trajectory, &self.time_map);
         let following = self.following(0.0);
-        let mut samples = Vec::with_capacity(readings.len());
-        for &Reading { time_s: log_s, deviation_mm, line } in readings {
+        let mut samples = Vec::with_capacity(readings.size_hint().0);
+        for Reading { time_s: log_s, deviation_mm, line } in readings {
             let Some(deviation_mm) = deviation_mm else { continue };
             let moment = time_map.at(log_s);
             // In a pause the senses are still those of the motion before it.

@@ -3,8 +3,10 @@
 //! On either side of a moment the readings of a moment are a straight line. Where the two lines do not meet, while
 //! no slide turns round, something stepped: by how much is known to what the lines of other moments miss each other by.
 
+use std::sync::Arc;
+
 use super::samples::{Alignment, Part, Sample, Slip};
-use crate::log::Log;
+use crate::log::{Log, Reading};
 use crate::solve;
 
 /// The length of a line on either side, s: on a circle of 100 mm at 1500 mm/min 4 degrees, which misses an eccentricity of
@@ -65,13 +67,13 @@ impl Alignment {
     /// Where neighbouring readings differ most between two times of the log: the time, and the line after it.
     fn largest_change(&self, from_s: f64, to_s: f64) -> Option<(f64, usize)> {
         let reach_s = from_s - self.sample_period_s..=to_s + self.sample_period_s;
-        let between = self
-            .readings
-            .windows(2)
-            .filter(|two| reach_s.contains(&two[0].time_s) && reach_s.contains(&two[1].time_s));
-        let changes = between.filter_map(|two| {
-            let change_mm = (two[1].deviation_mm? - two[0].deviation_mm?).abs();
-            Some((change_mm, 0.5 * (two[0].time_s + two[1].time_s), two[1].line))
+        let readings = || self.engaged.readings(&self.slips);
+        let within = |reading: &Reading| reach_s.contains(&reading.time_s);
+        let neighbours = readings().zip(readings().skip(1));
+        let between = neighbours.filter(|(before, after)| within(before) && within(after));
+        let changes = between.filter_map(|(before, after)| {
+            let change_mm = (after.deviation_mm? - before.deviation_mm?).abs();
+            Some((change_mm, 0.5 * (before.time_s + after.time_s), after.line))
         });
         let largest = changes.max_by(|a, b| a.0.total_cmp(&b.0))?;
         Some((largest.1, largest.2))
@@ -81,11 +83,12 @@ impl Alignment {
     #[must_use]
     pub fn without_step(mut self, slip: Slip) -> Self {
         let half_s = 0.5 * self.sample_period_s;
+        let windows = Arc::make_mut(&mut self.windows);
         // A mean over the step is neither before it nor after.
         if self.averaged > 1 {
-            self.windows.retain(|window| (window.time_s - slip.log_s).abs() > half_s);
+            windows.retain(|window| (window.time_s - slip.log_s).abs() > half_s);
         }
-        for reading in self.readings.iter_mut().chain(&mut self.windows) {
+        for reading in windows {
             if reading.time_s > slip.log_s {
                 reading.deviation_mm = reading.deviation_mm.map(|mm| mm - slip.step_mm);
             }

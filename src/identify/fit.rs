@@ -27,8 +27,8 @@ const LONGEST_S: f64 = 0.1;
 /// be told apart; when there are fewer samples than parameters; when the fit does not converge. A fit
 /// that converges and does not explain the log has [`Identification::cautions`].
 pub fn identify(model: &Model, runs: Vec<RunInput>, options: &Options) -> Result<Identification> {
-    let with = |runs: Vec<RunInput>, taking: Taking| {
-        let mut fit = Fit::of(model, runs, options);
+    let with = |runs: &[RunInput], taking: Taking| {
+        let mut fit = Fit::of(model, runs.to_vec(), options);
         fit.check_enough()?;
         fit.state.taking = taking;
         let mut steps = 0;
@@ -36,18 +36,19 @@ pub fn identify(model: &Model, runs: Vec<RunInput>, options: &Options) -> Result
         fit.weighed(outcome, steps)
     };
     let knows = model.parameters().iter().any(|parameter| parameter.plausible.is_some());
-    let few = knows && stands_for_several(&runs);
     // Where some readings do not settle, all may.
-    let found = |runs: Vec<RunInput>| {
-        if few {
-            with(runs.clone(), Taking::OneForSeveral).or_else(|_| with(runs, Taking::Each))
+    let found = |runs: &[RunInput]| {
+        if knows && stands_for_several(runs) {
+            with(runs, Taking::OneForSeveral).or_else(|_| with(runs, Taking::Each))
         } else {
             with(runs, Taking::Each)
         }
     };
     // What the model does not have may be taken for a feed far from the truth, and a fit that runs after it never settles.
-    let at_told_feed = || runs.iter().cloned().map(RunInput::at_told_feed).collect();
-    found(runs.clone()).or_else(|error| found(at_told_feed()).map_err(|_| error))
+    found(&runs).or_else(|error| {
+        let at_told_feed: Vec<RunInput> = runs.into_iter().map(RunInput::at_told_feed).collect();
+        found(&at_told_feed).map_err(|_| error)
+    })
 }
 
 /// What a model leaves of runs, mm rms of a reading: sought with as few readings as tell it, and nothing else said.

@@ -31,8 +31,10 @@ pub struct LinearSample {
     /// How many blocks of its program lie behind it, the part of its own block among them: the same place in all repeats,
     /// however fast each was driven.
     pub blocks: f64,
-    /// What was observed and computed, and when.
-    pub record: Record,
+    /// Index of its record among those of its run.
+    pub reading: usize,
+    /// Time on the instrument's clock, s.
+    pub log_s: f64,
     /// Observed minus computed, mm, where no slide follows later than others: the fit lets them, so that its times are
     /// right, but that is not part of the model.
     pub left_mm: f64,
@@ -64,7 +66,7 @@ impl LinearSample {
 
     /// Time in the program, s.
     pub fn program_s(&self) -> f64 {
-        self.record.sample.program_s
+        self.situation.motion.program_s
     }
 }
 
@@ -122,8 +124,9 @@ impl Identification {
         let follows = Follows::of(&fit, &solution);
         // What is left is so to the digit: nothing that the fit follows is in it.
         let step = solution.unknowns();
-        let mut samples = Vec::new();
-        let mut q = Vec::new();
+        let take_part = fit.state.apart.iter().flatten().filter(|apart| apart.is_none()).count();
+        let mut samples = Vec::with_capacity(take_part);
+        let mut q = Vec::with_capacity(take_part * follows.rank());
         // Run and section of the arc before.
         let mut last = None;
         let mut arcs = 0;
@@ -149,7 +152,8 @@ impl Identification {
                     arc: arcs - 1,
                     section,
                     blocks: blocks_behind(&run.alignment, sample),
-                    record: *record,
+                    reading: k,
+                    log_s: sample.log_s,
                     situation: model.situation(&sample.pose, &sample.motion, run.mounting),
                     root_weight,
                 });

@@ -150,7 +150,7 @@ fn stepped(
     by: &dyn Fn(&LinearSample) -> f64,
 ) -> Vec<f64> {
     let of_sample = |of: &LinearSample| {
-        let after = of.run == index && of.record.sample.log_s >= slip.log_s;
+        let after = of.run == index && of.log_s >= slip.log_s;
         if after { by(of) * of.root_weight } else { 0.0 }
     };
     linear.samples.iter().map(of_sample).collect()

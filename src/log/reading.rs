@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use jiff::civil::Date;
 
@@ -22,7 +23,7 @@ pub struct Reading {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Log {
     file: PathBuf,
-    readings: Vec<Reading>,
+    readings: Arc<Vec<Reading>>,
     period_s: f64,
     notes: Vec<String>,
     by_angle: Option<ByAngle>,
@@ -39,6 +40,7 @@ impl Log {
     /// Takes over readings for which the reader has established what [`Log`] promises.
     pub(super) fn new(file: &Path, readings: Vec<Reading>, notes: Vec<String>) -> Self {
         let period_s = middle_step_s(&readings);
+        let readings = Arc::new(readings);
         Self { file: file.to_path_buf(), readings, period_s, notes, by_angle: None, began: None }
     }
 
@@ -64,7 +66,7 @@ impl Log {
         };
         Self {
             file: self.file.clone(),
-            readings: self.readings.iter().map(scaled).collect(),
+            readings: Arc::new(self.readings.iter().map(scaled).collect()),
             period_s: time * self.period_s,
             notes: self.notes.clone(),
             by_angle: self.by_angle.clone(),
@@ -78,7 +80,7 @@ impl Log {
             let deviation_mm = reading.deviation_mm.filter(|_| !out(reading));
             Reading { deviation_mm, ..*reading }
         });
-        Self { readings: readings.collect(), ..self.clone() }
+        Self { readings: Arc::new(readings.collect()), ..self.clone() }
     }
 
     /// The file it was read from, as the user named it.
@@ -104,6 +106,11 @@ impl Log {
     /// All samples, in and out of range.
     pub fn readings(&self) -> &[Reading] {
         &self.readings
+    }
+
+    /// The same, to be kept without a copy.
+    pub(crate) fn shared(&self) -> Arc<Vec<Reading>> {
+        Arc::clone(&self.readings)
     }
 
     /// The sample period in s: the median of the time steps, so that gaps do not count.

@@ -8,8 +8,6 @@ use rand_pcg::Pcg64Mcg;
 use super::column::Column;
 use super::element::Element;
 use super::residuals::{Repeat, Residuals, Run, Sample};
-use crate::align;
-use crate::identify::Record;
 use crate::machine::{Machine, Mounting, Pose};
 use crate::model::{Effect, Motion, Shape, Situation};
 use crate::solve::{Basis, Matrix};
@@ -100,7 +98,8 @@ fn samples(machine: &Machine, mounting: &Mounting, arc: usize, forward: bool) ->
             position_mm: mounting.coincidence_mm + BAR_MM * Vector3::new(cos, sin, 0.0),
             sense: velocity_mm_s.map(f64::signum),
         };
-        let motion = Motion { velocity_mm_s, elapsed_s: began_s + time_s, ..Motion::REST };
+        let elapsed_s = began_s + time_s;
+        let motion = Motion { velocity_mm_s, elapsed_s, program_s: elapsed_s, ..Motion::REST };
         let situation = Situation::new(machine, mounting, 0, &pose).unwrap();
         Sample {
             // A block a turn.
@@ -108,30 +107,14 @@ fn samples(machine: &Machine, mounting: &Mounting, arc: usize, forward: bool) ->
             run: 0,
             arc,
             section: usize::from(!forward),
-            record: record(pose, motion, usize::from(!forward)),
+            reading: k,
+            log_s: elapsed_s,
             situation: Situation { motion, ..situation },
             left_mm: 0.0,
             root_weight: 1.0,
         }
     };
     (0..count).map(at).collect()
-}
-
-/// A reading that the fit used, of which nothing is left.
-fn record(pose: Pose, motion: Motion, section: usize) -> Record {
-    let sample = align::Sample {
-        log_s: motion.elapsed_s,
-        line: 1,
-        program_s: motion.elapsed_s,
-        time_sigma_s: 0.0,
-        deviation_mm: 0.0,
-        pose,
-        motion,
-        part: align::Part::Arc(section),
-        block: 0,
-        leg: 0,
-    };
-    Record { sample, computed_mm: 0.0, residual_mm: 0.0, whitened: None, weight: 1.0, apart: None }
 }
 
 /// Rows of orthonormal columns that span these; what depends on others is dropped.

@@ -1,5 +1,7 @@
 //! An effect as a part of the extended model: its columns, and the number inside that is estimated too.
 
+use std::mem::take;
+
 use rayon::prelude::*;
 
 use super::column::Column;
@@ -194,14 +196,15 @@ impl Element {
     pub fn columns(&self, residuals: &Residuals) -> Vec<Column> {
         let count = self.term().parameter_count();
         let repeats = &residuals.repeats;
-        let shared: Vec<Vec<Vec<f64>>> = repeats
+        let mut shared: Vec<Vec<Vec<f64>>> = repeats
             .par_iter()
             .enumerate()
             .map(|(index, repeat)| self.in_repeat(index, repeat))
             .collect();
         if self.owner != Owner::EachRun {
-            let of = |amplitude: usize| shared.iter().map(|of| of[amplitude].clone()).collect();
-            return (0..count).map(of).collect();
+            let mut of =
+                |amplitude: usize| shared.iter_mut().map(|of| take(&mut of[amplitude])).collect();
+            return (0..count).map(&mut of).collect();
         }
         let each = residuals.runs().flat_map(|(index, run)| {
             let samples = repeats[index].runs[run].samples.clone();

@@ -36,4 +36,4 @@ pub use joint::{fit, fit_to};
 pub use noise::Noise;
 pub use residuals::{Repeat, Residuals, Run, Sample};
 pub use structure::{Products, Structure, products, structure};
-pub use system::System;
+pub use system::{Anywhere, System};

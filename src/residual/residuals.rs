@@ -128,7 +128,7 @@ impl Residuals {
         });
         let fastest_mm_s = [0, 1, 2].map(|slide| {
             let samples = repeats.iter().flat_map(|repeat: &Repeat| &repeat.samples);
-            samples.map(|s| s.record.sample.motion.velocity_mm_s[slide].abs()).fold(0.0, f64::max)
+            samples.map(|s| s.situation.motion.velocity_mm_s[slide].abs()).fold(0.0, f64::max)
         });
         let model_mm = Column::from(model_mm);
         Ok(Self { repeats, model_mm, way_mm, fastest_mm_s, arcs })

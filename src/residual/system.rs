@@ -23,12 +23,18 @@ const DECIDED_AT_ONCE: usize = 2;
 #[derive(Debug, Default)]
 pub struct System {
     pub(super) columns: Vec<Column>,
-    /// `Q^T c` of each column in each repeat.
-    along: Vec<Vec<Vec<f64>>>,
+    anywhere: Anywhere,
     /// Products with the accepted columns.
     accepted: Vec<Vec<f64>>,
     normal: Matrix,
     common: Vec<f64>,
+}
+
+/// What holds of columns whatever is accepted: with it, columns that are made anew tell at once what they explain.
+#[derive(Debug, Default)]
+pub struct Anywhere {
+    /// `Q^T c` of each column in each repeat.
+    along: Vec<Vec<Vec<f64>>>,
     /// Products of the columns as they are, row after row of the lower triangle.
     products: Vec<Vec<f64>>,
     /// What is added to the diagonal of each column because its amplitude is plausible, mm² by its unit squared.
@@ -45,32 +51,14 @@ impl System {
 
     /// The largest part of a column's square that lies outside of what the fits and accepted effects follow.
     pub fn share_outside(&self) -> f64 {
-        let share = |k: usize| self.normal[(k, k)] / self.products[k][k].max(f64::MIN_POSITIVE);
+        let share =
+            |k: usize| self.normal[(k, k)] / self.anywhere.products[k][k].max(f64::MIN_POSITIVE);
         (0..self.columns.len()).map(share).fold(0.0, f64::max)
     }
 
-    /// What the columns explain beside what is accepted now, mm², wherever the numbers inside are; `None`
-    /// where they cannot be told from what is followed already, or from each other.
-    pub fn gain_mm2(&self, beside: &Beside) -> Option<f64> {
-        let n = self.columns.len();
-        let accepted: Vec<Vec<f64>> = self
-            .columns
-            .iter()
-            .map(|column| beside.span.iter().map(|unit| unit.product(column)).collect())
-            .collect();
-        let alone = Matrix::from_fn(n, n, |i, k| {
-            let both = self.products[i.max(k)][i.min(k)];
-            let ridge = if i == k { RIDGE * both + self.priors[k] } else { 0.0 };
-            both + ridge - self.followed(i, k) - dot(&accepted[i], &accepted[k])
-        });
-        let common: Vec<f64> =
-            self.columns.iter().map(|column| column.product(&beside.left_mm)).collect();
-        Some(dot(&Cholesky::of(&alone)?.solve(&common), &common))
-    }
-
-    /// What the fits follow of the product of two columns.
-    fn followed(&self, i: usize, k: usize) -> f64 {
-        self.along[i].iter().zip(&self.along[k]).map(|(a, b)| dot(a, b)).sum()
+    /// What holds of the columns whatever is accepted, without them: each takes as much memory as there are samples.
+    pub fn into_anywhere(self) -> Anywhere {
+        self.anywhere
     }
 
     /// Adds the columns of an element. Of one with many amplitudes the readings may decide a few; the others are held by
@@ -79,8 +67,9 @@ impl System {
         if columns.len() > DECIDED_AT_ONCE {
             // Neighbours, because what is left as a whole may hold the very effect.
             let prior = beside.noise().neighbours_mm2 / (PLAUSIBLE * PLAUSIBLE);
-            self.priors.resize(self.columns.len(), 0.0);
-            self.priors.resize(self.columns.len() + columns.len(), prior);
+            let priors = &mut self.anywhere.priors;
+            priors.resize(self.columns.len(), 0.0);
+            priors.resize(self.columns.len() + columns.len(), prior);
         }
         self.push(beside, columns);
     }
@@ -90,7 +79,7 @@ impl System {
         let first = self.columns.len();
         let along = along(beside.residuals, &columns);
         for (column, along) in columns.into_iter().zip(along) {
-            self.along.push(along);
+            self.anywhere.along.push(along);
             self.accepted.push(beside.span.iter().map(|unit| unit.product(&column)).collect());
             self.common.push(column.product(&beside.left_mm));
             self.columns.push(column);
@@ -100,20 +89,21 @@ impl System {
         for i in 0..n {
             if i >= first {
                 let before = self.columns[..=i].iter();
-                self.products.push(before.map(|other| self.columns[i].product(other)).collect());
+                let products = before.map(|other| self.columns[i].product(other)).collect();
+                self.anywhere.products.push(products);
             }
             for k in 0..=i {
                 normal[(i, k)] = if i < first {
                     self.normal[(i, k)]
                 } else {
                     let accepted = dot(&self.accepted[i], &self.accepted[k]);
-                    self.products[i][k] - self.followed(i, k) - accepted
+                    self.anywhere.outside(i, k) - accepted
                 };
                 normal[(k, i)] = normal[(i, k)];
             }
         }
         self.normal = normal;
-        self.priors.resize(n, 0.0);
+        self.anywhere.priors.resize(n, 0.0);
     }
 
     /// Normal matrix and right-hand side of the first so many columns.
@@ -122,11 +112,41 @@ impl System {
             match self.normal[(i, k)] {
                 // What nothing tells, such as the phase of a run that takes no part, stays zero.
                 0.0 if i == k => 1.0,
-                value if i == k => value + RIDGE * self.products[k][k] + self.priors[k],
+                value if i == k => value + self.anywhere.ridge(k),
                 value => value,
             }
         });
         (normal, &self.common[..keep])
+    }
+}
+
+impl Anywhere {
+    /// What the columns explain beside what is accepted now, mm², wherever the numbers inside are; `None`
+    /// where they cannot be told from what is followed already, or from each other.
+    pub fn gain_mm2(&self, columns: &[Column], beside: &Beside) -> Option<f64> {
+        let n = columns.len();
+        let accepted: Vec<Vec<f64>> = columns
+            .iter()
+            .map(|column| beside.span.iter().map(|unit| unit.product(column)).collect())
+            .collect();
+        let alone = Matrix::from_fn(n, n, |i, k| {
+            let ridge = if i == k { self.ridge(k) } else { 0.0 };
+            self.outside(i.max(k), i.min(k)) + ridge - dot(&accepted[i], &accepted[k])
+        });
+        let common: Vec<f64> =
+            columns.iter().map(|column| column.product(&beside.left_mm)).collect();
+        Some(dot(&Cholesky::of(&alone)?.solve(&common), &common))
+    }
+
+    /// What the fits do not follow of the product of two columns, the later one first.
+    fn outside(&self, i: usize, k: usize) -> f64 {
+        let followed = self.along[i].iter().zip(&self.along[k]).map(|(a, b)| dot(a, b));
+        self.products[i][k] - followed.sum::<f64>()
+    }
+
+    /// What is added to the diagonal.
+    fn ridge(&self, k: usize) -> f64 {
+        RIDGE * self.products[k][k] + self.priors[k]
     }
 }
 

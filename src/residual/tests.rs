@@ -3,6 +3,7 @@
 use super::bench::{effect, element, residuals, white};
 use super::*;
 use crate::model::AMPLITUDE;
+use crate::solve::{Cholesky, dot};
 
 /// Noise of a reading, mm.
 const NOISE_MM: f64 = 1.5e-4;
@@ -104,11 +105,14 @@ fn what_columns_explain_is_what_their_fit_gains() {
     let alone = residuals.alone();
     for term in ["drift:on=EYt,time_constant_s=100", "growing-backlash:on=EXX"] {
         let element = element(term);
-        let system = System::of(&alone, &element);
+        let (columns, anywhere) =
+            (element.columns(&residuals), System::of(&alone, &element).into_anywhere());
         let beside = residuals.beside(&truth.columns(&residuals));
         for ground in [&alone, &beside] {
-            let direct = System::of(ground, &element).gain_mm2(ground).unwrap();
-            let later = system.gain_mm2(ground).unwrap();
+            let system = System::of(ground, &element);
+            let (normal, common) = system.part(columns.len());
+            let direct = dot(&Cholesky::of(&normal).unwrap().solve(common), common);
+            let later = anywhere.gain_mm2(&columns, ground).unwrap();
             assert!((direct - later).abs() < 1e-9 * direct.max(1e-12), "{term}: {direct} {later}");
         }
     }

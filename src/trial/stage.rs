@@ -105,7 +105,7 @@ impl Stage {
             let mut readings = Vec::with_capacity(linear.samples.len());
             for sample in &linear.samples {
                 let run = of_repeat[sample.run];
-                readings.push((run, (sample.record.sample.log_s * rates[run]).round() as usize));
+                readings.push((run, (sample.log_s * rates[run]).round() as usize));
                 let position_mm = &sample.situation.pose.position_mm;
                 for (travel, at) in reach.travel_mm.iter_mut().zip(position_mm.iter()) {
                     *travel = [travel[0].min(*at), travel[1].max(*at)];

@@ -22,7 +22,7 @@ pub(crate) fn at_readings(residuals: &Residuals, fitted: &Fitted) -> Vec<Vec<Eff
             let samples = repeat.samples.iter().enumerate().filter(|(_, s)| s.root_weight > 0.0);
             let of = |(k, sample): (usize, &crate::residual::Sample)| EffectsAt {
                 run: sample.run,
-                log_s: sample.record.sample.log_s,
+                log_s: sample.log_s,
                 findings_mm: parts
                     .iter()
                     .map(|part| part[index].get(k).map_or(0.0, |mm| mm / sample.root_weight))

@@ -10,10 +10,14 @@
 //! with `d = sum of s²`, `M = sum of s Q`, `X = sum of s` times the accepted columns. So a thousand periods
 //! or time constants cost no pass over the samples.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Deref;
+use std::sync::Arc;
 
-use crate::model::{Dependence, Seat, Variable};
-use crate::residual::{Beside, Residuals};
+use rayon::prelude::*;
+
+use crate::model::{Dependence, Seat, Situation, Variable};
+use crate::residual::{Beside, Residuals, Sample};
 use crate::solve::{Cholesky, Matrix, dot};
 
 /// Bins of a variable.
@@ -76,23 +80,49 @@ struct Gathered {
     /// `sum s Q`, bin after bin.
     followed: Vec<f64>,
     rank: usize,
-    /// In which bin each sample lies, and what it is worth there.
-    samples: Vec<Placed>,
+    /// Where each sample lies: the same for all seats over a variable.
+    places: Arc<[Place]>,
+    /// What each sample is worth, `s`: the same for a seat over all variables.
+    worths: Arc<[f64]>,
 }
 
-/// A sample in a bin.
-#[derive(Debug, Clone, Copy, Default)]
-struct Placed {
-    bin: u32,
-    worth: f64,
+/// Where a sample lies, and with which sign it counts there; nowhere with none.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    bin: u16,
+    sign: i8,
+}
+
+impl Place {
+    fn worth(self, worth: f64) -> f64 {
+        f64::from(self.sign) * worth
+    }
+}
+
+/// What samples of each repeat are worth to each seat: what one of its effects does to the length, by the root of the weight.
+#[derive(Debug)]
+pub(crate) struct Worths<'a> {
+    residuals: &'a Residuals,
+    of: BTreeMap<Seat, Vec<Arc<[f64]>>>,
+}
+
+impl<'a> Worths<'a> {
+    pub(crate) fn of(residuals: &'a Residuals, seats: BTreeSet<Seat>) -> Self {
+        let in_repeats = |seat: Seat| {
+            let worth = |sample: &Sample| seat.sensitivity(&sample.situation) * sample.root_weight;
+            let repeats = residuals.repeats.iter();
+            (seat, repeats.map(|repeat| repeat.samples.iter().map(worth).collect()).collect())
+        };
+        Self { residuals, of: seats.into_par_iter().map(in_repeats).collect() }
+    }
 }
 
 impl Gathered {
     /// `sum s x` of a column, bin after bin.
     fn sums(&self, bins: usize, column: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; bins];
-        for (Placed { bin, worth }, x) in self.samples.iter().zip(column) {
-            sums[*bin as usize] += worth * x;
+        for ((place, worth), x) in self.places.iter().zip(&*self.worths).zip(column) {
+            sums[usize::from(place.bin)] += place.worth(*worth) * x;
         }
         sums
     }
@@ -139,39 +169,48 @@ pub(crate) struct Explained {
 }
 
 impl Channel {
-    /// Channels of several seats over one variable, in one pass over the samples.
+    /// Channels of those of some seats that have worths over one variable.
     pub(crate) fn gather(
-        residuals: &Residuals,
+        worths: &Worths,
         variable: Variable,
         with_sense: bool,
         seats: &[Seat],
     ) -> Vec<Self> {
+        let residuals = worths.residuals;
         let bins = Bins::of(residuals, variable);
-        let mut channels: Vec<Self> = seats
+        let (mut channels, worths): (Vec<Self>, Vec<_>) = seats
             .iter()
-            .map(|&seat| Self {
-                of: Dependence { seat, variable, with_sense },
-                centers: vec![0.0; bins.count],
-                repeats: Vec::new(),
+            .filter_map(|seat| Some((*seat, worths.of.get(seat)?)))
+            .map(|(seat, worths)| {
+                let of = Dependence { seat, variable, with_sense };
+                (Self { of, centers: vec![0.0; bins.count], repeats: Vec::new() }, worths)
             })
-            .collect();
-        let mut weights = vec![vec![0.0; bins.count]; seats.len()];
-        for repeat in &residuals.repeats {
+            .unzip();
+        let mut weights = vec![vec![0.0; bins.count]; channels.len()];
+        for (index, repeat) in residuals.repeats.iter().enumerate() {
             let rank = repeat.basis.rank();
-            for (channel, weights) in channels.iter_mut().zip(&mut weights) {
+            // That of any seat.
+            let of = Dependence { seat: Seat::Bar, variable, with_sense };
+            let value = |at: &Situation| of.value(&at.pose, &at.motion);
+            let values: Vec<Option<(f64, f64)>> =
+                repeat.samples.iter().map(|sample| value(&sample.situation)).collect();
+            let place = |at: &Option<(f64, f64)>| {
+                let placed = at.map(|(value, sense)| (bins.index(value) as u16, sense as i8));
+                let (bin, sign) = placed.unwrap_or_default();
+                Place { bin, sign }
+            };
+            let places: Arc<[Place]> = values.iter().map(place).collect();
+            for ((channel, weights), worths) in channels.iter_mut().zip(&mut weights).zip(&worths) {
                 let mut gathered = Gathered {
                     squares: vec![0.0; bins.count],
                     followed: vec![0.0; bins.count * rank],
                     rank,
-                    samples: Vec::with_capacity(repeat.samples.len()),
+                    places: Arc::clone(&places),
+                    worths: Arc::clone(&worths[index]),
                 };
-                for (k, sample) in repeat.samples.iter().enumerate() {
-                    let Some((value, factor)) = channel.of.at(&sample.situation) else {
-                        gathered.samples.push(Placed::default());
-                        continue;
-                    };
-                    let (bin, worth) = (bins.index(value), factor * sample.root_weight);
-                    gathered.samples.push(Placed { bin: bin as u32, worth });
+                for (k, (value, place)) in values.iter().zip(&*places).enumerate() {
+                    let Some((value, _)) = value else { continue };
+                    let (bin, worth) = (usize::from(place.bin), place.worth(worths[index][k]));
                     weights[bin] += worth * worth;
                     channel.centers[bin] += worth * worth * value;
                     gathered.squares[bin] += worth * worth;

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
-use super::channel::{Channel, Look};
+use super::channel::{Channel, Look, Worths};
 use super::curves;
 use super::knock;
 use super::vibration;
@@ -16,7 +16,7 @@ use crate::model::{
     Ball, CAUSES, Cause, Coefficient, Component, Inner, Law, Power, Seat, SetUp, Shape, Start,
     Variable,
 };
-use crate::residual::{Beside, Element, System, Tuning};
+use crate::residual::{Anywhere, Beside, Element, System, Tuning};
 
 /// The shortest period looked for, mm: a reading every 0.83 mm still tells it.
 const SHORTEST_MM: f64 = 2.0;
@@ -32,7 +32,7 @@ const FAST: f64 = 6.0;
 pub(crate) struct Screen {
     channels: Vec<Channel>,
     /// Causes that hang on nothing that is gathered: pass over the samples each.
-    direct: Vec<(Element, System)>,
+    direct: Vec<(Element, Anywhere)>,
 }
 
 /// What the screen shows beside what is accepted.
@@ -40,7 +40,7 @@ pub(crate) struct Screen {
 pub(crate) struct Prospect<'a> {
     pub(crate) beside: Beside<'a>,
     pub(crate) looks: Vec<Look<'a>>,
-    direct: &'a [(Element, System)],
+    direct: &'a [(Element, Anywhere)],
 }
 
 /// Numbers from one to another, evenly in the logarithm.
@@ -83,10 +83,13 @@ pub(super) fn gathered() -> Vec<(Variable, bool, Vec<Seat>)> {
 impl Screen {
     /// Gathers what an effect may hang on.
     pub(crate) fn new(alone: &Beside, campaign: &Campaign) -> Self {
-        let channels: Vec<Vec<Channel>> = gathered()
+        let gathered = gathered();
+        let seats = gathered.iter().flat_map(|(_, _, seats)| seats).copied().collect();
+        let worths = Worths::of(alone.residuals, seats);
+        let channels: Vec<Vec<Channel>> = gathered
             .par_iter()
             .map(|(variable, with_sense, seats)| {
-                Channel::gather(alone.residuals, *variable, *with_sense, seats)
+                Channel::gather(&worths, *variable, *with_sense, seats)
             })
             .collect();
         let direct: Vec<Shape> = CAUSES.iter().flat_map(|cause| direct(cause, campaign)).collect();
@@ -96,7 +99,7 @@ impl Screen {
                 let element = Element::shared(shape);
                 let system = System::of(alone, &element);
                 // What the model follows never shows.
-                (system.share_outside() > SHOWS).then_some((element, system))
+                (system.share_outside() > SHOWS).then(|| (element, system.into_anywhere()))
             })
             .collect();
         Self { channels: channels.into_iter().flatten().collect(), direct }
@@ -119,8 +122,9 @@ impl Prospect<'_> {
         let direct: Vec<Option<Candidate>> = self
             .direct
             .par_iter()
-            .map(|(element, system)| {
-                let gain_mm2 = system.gain_mm2(beside)?;
+            .map(|(element, anywhere)| {
+                let columns = element.columns(beside.residuals);
+                let gain_mm2 = anywhere.gain_mm2(&columns, beside)?;
                 Some(Candidate { element: element.clone(), gain_mm2 })
             })
             .collect();

@@ -1,0 +1,31 @@
+//! The readings that were taken while the bar was engaged, shared with their log.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::samples::Slip;
+use crate::log::{Log, Reading};
+
+/// Readings in engagements. Millions of them are in memory once, however many copies an alignment has.
+#[derive(Debug, Clone)]
+pub(super) struct Engaged {
+    log: Arc<Vec<Reading>>,
+    stretches: Vec<Range<usize>>,
+}
+
+impl Engaged {
+    pub(super) fn new(log: &Log, stretches: Vec<Range<usize>>) -> Self {
+        Self { log: log.shared(), stretches }
+    }
+
+    /// Those that are in range, with the steps of these slips taken out of the ones after them.
+    pub(super) fn readings<'a>(&'a self, slips: &'a [Slip]) -> impl Iterator<Item = Reading> + 'a {
+        let all = self.stretches.iter().flat_map(|stretch| &self.log[stretch.clone()]);
+        all.filter(|reading| reading.deviation_mm.is_some()).map(|reading| {
+            let before = slips.iter().filter(|slip| reading.time_s > slip.log_s);
+            let step_out = |mm, slip: &Slip| mm - slip.step_mm;
+            let deviation_mm = reading.deviation_mm.map(|mm| before.fold(mm, step_out));
+            Reading { deviation_mm, ..*reading }
+        })
+    }
+}
