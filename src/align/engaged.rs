@@ -3,8 +3,20 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::samples::Slip;
 use crate::log::{Log, Reading};
+
+/// A step of the readings, which stay where it took them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slip {
+    /// On the log's clock, s: half way between the readings before and after.
+    pub log_s: f64,
+    /// Line of the first reading after it.
+    pub line: usize,
+    /// What was read more from there on, mm.
+    pub step_mm: f64,
+    /// Standard deviation of that, by the lines on either side, mm.
+    pub sigma_mm: f64,
+}
 
 /// Readings in engagements. Millions of them are in memory once, however many copies an alignment has.
 #[derive(Debug, Clone)]

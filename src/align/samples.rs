@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::engaged::Engaged;
+use super::engaged::{Engaged, Slip};
 use super::engagement::Engagement;
 use super::following::Following;
 use super::mean_path::MeanPath;
@@ -57,19 +57,6 @@ pub struct Sample {
     pub leg: usize,
     /// Index of the block of the trajectory.
     pub block: usize,
-}
-
-/// A step of the readings, which stay where it took them.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Slip {
-    /// On the log's clock, s: half way between the readings before and after.
-    pub log_s: f64,
-    /// Line of the first reading after it.
-    pub line: usize,
-    /// What was read more from there on, mm.
-    pub step_mm: f64,
-    /// Standard deviation of that, by the lines on either side, mm.
-    pub sigma_mm: f64,
 }
 
 /// One run: a log laid over a program.

@@ -5,7 +5,8 @@
 
 use std::sync::Arc;
 
-use super::samples::{Alignment, Part, Sample, Slip};
+use super::engaged::Slip;
+use super::samples::{Alignment, Part, Sample};
 use crate::log::{Log, Reading};
 use crate::solve;
 
