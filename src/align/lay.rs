@@ -15,6 +15,8 @@ use crate::log::Log;
 const MOST_ROUNDS: usize = 5;
 /// A feed is found when what is left is so little of the clock's tolerance.
 const NEAR: f64 = 0.1;
+/// What marks tell of a feed, so many times its deviation away, is no chance: 1 in 370.
+const BY_CHANCE: f64 = 3.0;
 /// The feed really was between half and one and a half times what is stated, or the log is another program's.
 const FEEDS: Range<f64> = 0.5..1.5;
 /// A loss of time at one place is looked for so far, s.
@@ -114,11 +116,13 @@ fn at_feed_of(run: &Run, observed: &[Range<usize>], standing_s: f64) -> Result<(
     // At what feed it was driven is in the times of a motion that was recorded.
     let most_rounds = if run.driven.is_some() { 0 } else { MOST_ROUNDS };
     for round in 0..most_rounds {
-        let explained = draft.time_map.rate.abs() < 1.5 * clock_tolerance;
         // The clock's tolerance would hold the rate back.
         let mut at_any_rate = draft.time_map.clone();
         at_any_rate.fit_marks_at_any_rate(&draft.marks, standing_s)?;
         let (rate, rate_sigma) = (at_any_rate.rate, at_any_rate.rate_sigma);
+        // Marks between two readings of a slow log hardly move a rate that is held, however far off the feed is.
+        let explained = draft.time_map.rate.abs() < 1.5 * clock_tolerance
+            && rate.abs() < (1.5 * clock_tolerance).hypot(BY_CHANCE * rate_sigma);
         // Once it is the feed, longer standstills must not make up for a feed that went too far.
         if explained && (round == 0 || rate.abs() < NEAR * clock_tolerance) {
             break;

@@ -144,3 +144,11 @@ fn a_knock_that_seems_a_feed_is_found_at_the_feed_that_is_told() {
     let outcome = grid.trial(Request { class: Class::Small, index: 3 }, false);
     assert_eq!(outcome.judgement.verdict.name(), "right", "{outcome:?}");
 }
+
+/// Of ten readings a second none lies on the ramps, which tell the feed to a hundredth only: enough to see that it was 2.5 % off.
+#[test]
+fn marks_between_two_readings_tell_a_feed_that_is_far_off() {
+    let grid = Grid { seed: 6, size_mm: None };
+    let outcome = grid.trial(Request { class: Class::None, index: 1 }, false);
+    assert_eq!(outcome.judgement.verdict.name(), "right", "{outcome:?}");
+}
