@@ -13,6 +13,7 @@ mod machine;
 mod planning;
 mod problem;
 mod run;
+mod source;
 mod stages;
 mod test;
 mod trials;

@@ -1,9 +1,6 @@
 //! The map of the volumetric error.
 
-use std::path::PathBuf;
-use std::sync::Arc;
-
-use ballbar::compensate::{Analysed, Field, MOST_POINTS, Measured, VolumeMap};
+use ballbar::compensate::{Field, MOST_POINTS, Measured, VolumeMap};
 use ballbar::machine::Axis;
 use ballbar::report::{Mapped, volume_json};
 use numpy::{PyArray1, PyArray2};
@@ -11,9 +8,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays::{Numbers, rows, vector};
-use crate::campaign::{Campaign, Identified};
-use crate::diagnosis::Diagnosis;
 use crate::error::{argument, work};
+use crate::source::Source;
 use crate::words::dictionary;
 
 /// How far the tool is from where it should be; n points, X the fastest.
@@ -78,57 +74,6 @@ impl Volume {
 
     fn __repr__(&self) -> String {
         format!("<ballbar.Volume: {} points>", self.map.nodes.len())
-    }
-}
-
-/// Where the errors of a machine are.
-enum Source {
-    Identified(Identified),
-    File(PathBuf),
-}
-
-impl Source {
-    fn of(source: &Bound<'_, PyAny>) -> PyResult<Self> {
-        if let Ok(campaign) = source.cast::<Campaign>() {
-            return Ok(Self::Identified(campaign.get().of.clone()));
-        }
-        if let Ok(diagnosis) = source.cast::<Diagnosis>() {
-            return Ok(Self::Identified(Identified::Extended(Arc::clone(&diagnosis.get().of))));
-        }
-        source.extract().map(Self::File).map_err(|_| {
-            let kind =
-                source.get_type().name().map_or_else(|_| "?".into(), |name| name.to_string());
-            let what = format!("a {kind} where a Campaign, a Diagnosis or a path is expected");
-            argument(
-                source.py(),
-                "source",
-                &what,
-                "a path is that of analysis.json or of its folder",
-            )
-        })
-    }
-
-    fn analysed(&self) -> ballbar::Result<Analysed> {
-        match self {
-            Self::File(path) => Analysed::read(&ballbar::monitor::resolved(path)?, None),
-            Self::Identified(of) => {
-                let stated = match of {
-                    Identified::Stated(of) => of,
-                    Identified::Extended(of) => &of.stated,
-                };
-                let diagnosis = match of {
-                    Identified::Stated(_) => None,
-                    Identified::Extended(of) => Some(&of.diagnosis),
-                };
-                let (test, machine) = (&stated.test, &stated.machine);
-                Analysed::of(test, machine, &stated.campaign, diagnosis).ok_or_else(|| {
-                    ballbar::Error::input(
-                        "this test does not describe the machine where it was measured",
-                    )
-                    .hint("identify it without terms=, or with terms=[\"local\"]")
-                })
-            }
-        }
     }
 }
 

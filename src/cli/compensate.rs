@@ -7,10 +7,10 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use nalgebra::Vector3;
 
 use super::common::Common;
-use super::errors::{Errors, Worth, numbers, worth};
+use super::errors::{Errors, numbers};
 use super::output::{self, Talk};
 use super::results::{Files, path_from};
-use crate::compensate::{Compensating, Compensation, Control, Limits, Named};
+use crate::compensate::{Compensating, Compensation, Control, Limits, Named, Worth};
 use crate::error::{Error, Place, Result};
 use crate::input;
 use crate::machine::{Axis, Machine};
@@ -74,7 +74,7 @@ impl Arguments {
         let first = &analysed.errors.mountings[0].1;
         let tool_ball_mm = self.tool.map_or(first.tool_ball_mm, Vector3::from);
         let Worth { errors, shrunk, before_mm, after_mm, unknown } =
-            worth(&analysed, tool_ball_mm)?;
+            analysed.worth(tool_ball_mm)?;
         let asked = Compensating {
             control: self.control,
             limits: self.limits(),

@@ -9,10 +9,10 @@ use serde_json::json;
 
 use super::check::text_of;
 use super::common::Common;
-use super::errors::{Worth, numbers, worth};
+use super::errors::numbers;
 use super::output::{self, Talk};
 use super::results::Files;
-use crate::compensate::{Analysed, Corrected, Correcting, Field, Shrunk, correct};
+use crate::compensate::{Analysed, Corrected, Correcting, Field, Shrunk, Worth, correct};
 use crate::error::{Error, Place, Result};
 use crate::machine::Machine;
 use crate::monitor::resolved;
@@ -90,7 +90,7 @@ impl Arguments {
         let Ready { analysed, reading, tool_ball_mm, read } = self.ready()?;
         talk.reads(&read);
         let machine = analysed.errors.machine.clone();
-        let Worth { errors, shrunk, before_mm, after_mm, .. } = worth(&analysed, tool_ball_mm)?;
+        let Worth { errors, shrunk, before_mm, after_mm, .. } = analysed.worth(tool_ball_mm)?;
         let field = Field::new(&errors, tool_ball_mm)?;
         let decimals = machine.controller().decimals;
         let program = Rewriting::of(&text, &self.program, &reading, decimals)?;

@@ -3,12 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use nalgebra::Vector3;
 
 use super::estimate::Selection;
 use super::output::Talk;
-use crate::compensate::{Analysed, ErrorModel, Field, Measured, Shrunk, Sigmas, Volume, VolumeMap};
-use crate::error::{Error, Kind, Place, Result};
+use crate::compensate::Analysed;
+use crate::error::{Error, Place, Result};
 use crate::identify::Failure;
 use crate::monitor::resolved;
 
@@ -54,44 +53,6 @@ impl Errors {
         })?;
         Ok((selection.read(&identified), analysed))
     }
-}
-
-/// The errors that are worth compensating: shrunk where they are smaller than their uncertainty.
-pub(super) struct Worth {
-    pub(super) errors: ErrorModel,
-    pub(super) shrunk: Shrunk,
-    /// The volumetric error where something was measured near, before and after, mm rms.
-    pub(super) before_mm: f64,
-    pub(super) after_mm: f64,
-    /// What is not known of it, mm rms.
-    pub(super) unknown: Sigmas,
-}
-
-/// Shrinks the errors of an analysis.
-///
-/// # Errors
-/// When all of them are noise.
-pub(super) fn worth(analysed: &Analysed, tool_ball_mm: Vector3<f64>) -> Result<Worth> {
-    let before = near_mm(&analysed.errors, tool_ball_mm)?;
-    let (errors, shrunk) = analysed.errors.clone().shrunk();
-    let (after_mm, unknown) = near_mm(&errors, tool_ball_mm)?;
-    if after_mm < unknown.noise {
-        return Err(Error::new(
-            Kind::Undetermined,
-            format!("the errors of this machine, {:.2} um rms, are smaller than their noise, {:.2} um: there is nothing to correct", 1e3 * after_mm, 1e3 * unknown.noise),
-        )
-        .at(Place::file(&analysed.file))
-        .hint("repeat the test more often, or leave the machine as it is"));
-    }
-    Ok(Worth { errors, shrunk, before_mm: before.0, after_mm, unknown })
-}
-
-/// The volumetric error where something was measured near, and what is not known of it, mm rms.
-fn near_mm(errors: &ErrorModel, tool_ball_mm: Vector3<f64>) -> Result<(f64, Sigmas)> {
-    let ends_mm = Measured::by(errors).range_mm();
-    let field = Field::new(errors, tool_ball_mm)?;
-    let map = VolumeMap::of(&field, &Volume { ends_mm, points: 5, keep_rigid: false });
-    Ok(map.near.map_or((0.0, Sigmas::default()), |near| (near.rms.value_mm, near.unknown)))
 }
 
 /// Numbers that are separated by commas.

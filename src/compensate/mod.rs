@@ -27,6 +27,7 @@ mod tables;
 mod tests;
 mod volume;
 mod wanted;
+mod worth;
 
 pub use compensation::{Compensating, Compensation, LARGEST_MM, OnePoint};
 pub use controls::{Control, Limits, Named, Written};
@@ -42,3 +43,4 @@ pub use shrink::Shrunk;
 pub use stored::Stored;
 pub use tables::{Column, Grid, SlideTable, Tables, Ways};
 pub use volume::{MOST_POINTS, Node, Volume, VolumeMap};
+pub use worth::Worth;
