@@ -4,6 +4,7 @@
 //! a stated tool: angles act with both. A rigid motion of the workpiece is its set-up: it is turned so that X is straight, and
 //! XY flat, on the average over what was measured, and the errors of squareness stand in `e_xy`, `e_xz` and `e_yz` alone. Each
 //! function is 0, mean of both senses, where the machine is referenced; beyond what was measured it keeps the value of the end.
+//! Of a slide that stood still, as the third one of a plane, nothing is wanted: what it does by direction is in no reading.
 
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 
@@ -23,6 +24,8 @@ pub struct Wanted<'a> {
 
 /// Points of a slide on which a slope is fitted.
 const POINTS: u32 = 21;
+/// A slide that went less stood still, mm: it only wavered, or its files are rounded.
+const STANDS_MM: f64 = 1.0;
 
 impl<'a> Wanted<'a> {
     /// With the other slides at this place, on top of what is taken off already.
@@ -62,6 +65,18 @@ impl<'a> Wanted<'a> {
         Measured::by(self.field.errors()).range_mm().map(|end| end[over.index()])
     }
 
+    /// Whether a slide stood still in the test.
+    fn stood(&self, over: Axis) -> bool {
+        let [low, high] = self.range_mm(over);
+        high - low < STANDS_MM
+    }
+
+    /// Lowest and highest position of a slide that a function of it is told for, mm: where it was measured; of one that stood
+    /// still its travel, over which what is taken off already may differ.
+    pub(super) fn told_mm(&self, over: Axis) -> [f64; 2] {
+        if self.stood(over) { self.machine().slide(over).travel_mm } else { self.range_mm(over) }
+    }
+
     /// Where a slide is referenced: its zero, or the end of its travel that is nearest to it, mm.
     pub(super) fn reference_mm(&self, over: Axis) -> f64 {
         let [low, high] = self.machine().slide(over).travel_mm;
@@ -93,6 +108,9 @@ impl<'a> Wanted<'a> {
         let reference_mm = self.reference_mm(over);
         let of = |at: f64, s: f64| {
             let existing = self.existing.of_slide_mm(over, along, at, s);
+            if self.stood(over) {
+                return existing;
+            }
             self.raw_mm(over, at, s)[j] - turned(at) + existing
         };
         of(position_mm, sense) - of(reference_mm, 0.0)
@@ -158,18 +176,18 @@ impl<'a> Wanted<'a> {
         linear + self.existing.linear
     }
 
-    /// Lost motion of a slide, mean over what was measured, mm.
+    /// Lost motion of a slide, mean over what is told of it, mm.
     pub(super) fn play_mm(&self, over: Axis) -> f64 {
-        let [low, high] = self.range_mm(over);
+        let [low, high] = self.told_mm(over);
         let at = (0..POINTS).map(|k| low + (high - low) * f64::from(k) / f64::from(POINTS - 1));
         let each =
             at.map(|at| self.error_mm(over, over, at, -1.0) - self.error_mm(over, over, at, 1.0));
         each.sum::<f64>() / f64::from(POINTS)
     }
 
-    /// Largest less smallest of a function over what was measured, in the sense of a `sense`, mm.
+    /// Largest less smallest of a function over what is told of a slide, in the sense of a `sense`, mm.
     pub(super) fn extent_mm(&self, of: impl Fn(f64) -> f64, over: Axis) -> f64 {
-        let [low, high] = self.range_mm(over);
+        let [low, high] = self.told_mm(over);
         let at = (0..POINTS).map(|k| low + (high - low) * f64::from(k) / f64::from(POINTS - 1));
         let (least, most) =
             at.map(of).fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), e| {

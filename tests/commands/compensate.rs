@@ -252,6 +252,29 @@ fn signs_are_those_of_the_formats_on_both_sides_of_the_machine() {
     }
 }
 
+/// The third slide of a plane stands still: nothing is known of it, nothing is written for it, and what was active is kept.
+#[test]
+fn a_slide_that_stood_still_is_left_as_it_is() {
+    let plane = VERTICAL.replace("strategy = \"3d6\"", "strategy = \"xy\"");
+    let work = analysed("vertical", &drawn_errors("vertical", 22), &plane);
+    for control in Control::ALL {
+        let (told, folder) = compensated(&work, control, &[]);
+        let (_, tables) = read_back(&work, &folder, control, &told);
+        let rms_um = |key: &str| told[key]["rms_um"].as_f64().unwrap();
+        assert!(rms_um("after") < rms_um("before"), "{}", control.name());
+        let of_z = tables.columns.iter().filter(|column| column.over == Axis::Z);
+        let largest_mm =
+            of_z.flat_map(|column| &column.error_mm).fold(0.0, |most: f64, e| most.max(e.abs()));
+        assert!(largest_mm < 1e-6, "{}: {largest_mm}", control.name());
+    }
+    work.write("joint2.comp", "-400.0 -400.002 -400.002\n-100.0 -99.995 -99.995\n");
+    let (told, folder) = compensated(&work, Control::Linuxcnc, &["--on-top", "joint2.comp"]);
+    let (_, tables) = read_back(&work, &folder, Control::Linuxcnc, &told);
+    let column = tables.columns.iter().find(|column| column.over == Axis::Z).unwrap();
+    let changes_mm = column.error_mm[0] - column.error_mm[column.error_mm.len() - 1];
+    assert!((changes_mm.abs() - 7e-3).abs() < 1e-5, "{changes_mm}");
+}
+
 #[test]
 fn what_cannot_be_compensated_is_refused() {
     let work = analysed("vertical", &drawn_errors("vertical", 23), VERTICAL);

@@ -45,7 +45,7 @@ pub(super) fn write(wanted: &Wanted, limits: &Limits) -> Written {
             "# BACKLASH has no effect beside this\nCOMP_FILE = {}\nCOMP_FILE_TYPE = 0",
             name(axis)
         );
-        let [low, high] = wanted.range_mm(axis);
+        let [low, high] = wanted.told_mm(axis);
         // Beyond its ends a table holds.
         let step_mm = limits.step_mm.unwrap_or((high - low) / 40.0).max(1e-3);
         let parts = ((high - low) / step_mm).ceil().clamp(1.0, most as f64 - 1.0);

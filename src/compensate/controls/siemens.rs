@@ -85,8 +85,8 @@ fn crossed(wanted: &Wanted, limits: &Limits, written: &mut Written) -> Result<St
             ));
             continue;
         }
-        let measured = wanted.range_mm(pair.over);
-        let points = even(pair.over, measured, measured, limits)?;
+        let told = wanted.told_mm(pair.over);
+        let points = even(pair.over, told, told, limits)?;
         if points.coarse {
             written.lost.push(coarse(pair.over, points.step_mm));
         }
@@ -127,7 +127,7 @@ fn pairs(wanted: &Wanted) -> Vec<Pair> {
         for along in Axis::ALL {
             let of = |sense: f64| move |at: f64| wanted.error_mm(over, along, at, sense);
             let bend_mm = if over == along { 0.0 } else { wanted.extent_mm(of(0.0), over) };
-            let middle_mm = 0.5 * wanted.range_mm(over).iter().sum::<f64>();
+            let middle_mm = 0.5 * wanted.told_mm(over).iter().sum::<f64>();
             let play_mm = (of(1.0)(middle_mm) - of(-1.0)(middle_mm)).abs();
             let by_direction = play_mm >= SMALLEST_MM;
             if bend_mm < SMALLEST_MM && !by_direction {
