@@ -6,6 +6,7 @@
 mod arrays;
 mod campaign;
 mod columns;
+mod compensation;
 mod diagnosis;
 mod error;
 mod identification;
@@ -27,6 +28,8 @@ use pyo3::prelude::*;
 mod _ballbar {
     #[pymodule_export]
     use crate::campaign::Campaign;
+    #[pymodule_export]
+    use crate::compensation::{Compensation, compensate};
     #[pymodule_export]
     use crate::diagnosis::{Diagnosis, diagnose};
     #[pymodule_export]

@@ -2,7 +2,7 @@
 
 A test is planned (:func:`plan`, :func:`programs`), run on a machine or on a virtual one (:func:`simulate`), its logs are
 laid over their programs (:func:`align`) and the machine is identified (:func:`identify`); :func:`diagnose` says what the
-model gets wrong, :func:`volume` how far the tool is off anywhere.
+model gets wrong, :func:`volume` how far the tool is off anywhere, and :func:`compensate` what a control takes against it.
 
 Names end with their units. Deviations are length minus nominal length, positive outward; positions are machine
 coordinates in the programmed sense; parameters have the units that ``units`` lists (mm and rad). Whatever fails raises
@@ -12,6 +12,7 @@ coordinates in the programmed sense; parameters have the units that ``units`` li
 from ._ballbar import (
     AlignedRun,
     Campaign,
+    Compensation,
     Diagnosis,
     Identification,
     IdentifiedRun,
@@ -27,6 +28,7 @@ from ._ballbar import (
     Volume,
     __version__,
     align,
+    compensate,
     diagnose,
     identify,
     plan,
@@ -39,6 +41,7 @@ from ._error import Error
 __all__ = [
     "AlignedRun",
     "Campaign",
+    "Compensation",
     "Diagnosis",
     "Error",
     "Identification",
@@ -55,6 +58,7 @@ __all__ = [
     "Volume",
     "__version__",
     "align",
+    "compensate",
     "diagnose",
     "identify",
     "plan",

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 __all__ = [
     "AlignedRun",
     "Campaign",
+    "Compensation",
     "Diagnosis",
     "Identification",
     "IdentifiedRun",
@@ -29,6 +30,7 @@ __all__ = [
     "__version__",
     "_panic",
     "align",
+    "compensate",
     "diagnose",
     "identify",
     "plan",
@@ -539,6 +541,25 @@ class Volume:
         """What volume.json holds: docs/volume-schema.md."""
 
 @final
+class Compensation:
+    """Files for a control that compensates, and what they leave."""
+
+    @property
+    def control(self) -> str:
+        """The control."""
+
+    @property
+    def files(self) -> dict[str, str]:
+        """Texts of the files by their names, as the control takes them."""
+
+    @property
+    def text(self) -> str:
+        """The page that says how they are loaded, how the sign is checked at one point, and what they leave."""
+
+    def report(self) -> dict[str, Any]:
+        """What `ballbar compensate --json` tells: docs/compensation-schema.md."""
+
+@final
 class Trials:
     """Effects hidden at random in simulated campaigns, diagnosed without knowing: the trials of ``ballbar blind``.
 
@@ -611,6 +632,32 @@ def identify(
 
 def diagnose(campaign: Campaign) -> Diagnosis:
     """Look for what the model of a campaign gets wrong."""
+
+def compensate(
+    source: Campaign | Diagnosis | _Path,
+    control: str,
+    *,
+    tool_mm: _Array | None = None,
+    at_mm: _Array | None = None,
+    step_mm: float | None = None,
+    points: int | None = None,
+    tables: int | None = None,
+    unit_um: float | None = None,
+    on_top: Sequence[tuple[str, str]] | None = None,
+) -> Compensation:
+    """Write what a control takes to compensate the machine; nothing is written to disk.
+
+    Args:
+        source: what was identified or diagnosed, or the path of an analysis.json or of its folder.
+        control: "linuxcnc", "isg", "siemens", "fanuc", "klipper", "marlin", "reprapfirmware", "grblhal" or "csv".
+        tool_mm: tip of the tool in the frame of the last slide on the tool side, mm, shape (3,).
+        at_mm: machine coordinates of the other slides while one moves, mm, shape (3,).
+        step_mm: distance of the points of a table, 0.1 to 1000.
+        points: of a table at the most, 2 to 5000.
+        tables: for other axes at the most, 0 to 62.
+        unit_um: detection unit of the axes, 0.001 to 10.
+        on_top: names and texts of the files that were active when the machine was measured.
+    """
 
 def volume(
     source: Campaign | Diagnosis | _Path,
