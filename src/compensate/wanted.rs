@@ -178,23 +178,32 @@ impl<'a> Wanted<'a> {
 
     /// Lost motion of a slide, mean over what is told of it, mm.
     pub(super) fn play_mm(&self, over: Axis) -> f64 {
-        let [low, high] = self.told_mm(over);
-        let at = (0..POINTS).map(|k| low + (high - low) * f64::from(k) / f64::from(POINTS - 1));
-        let each =
-            at.map(|at| self.error_mm(over, over, at, -1.0) - self.error_mm(over, over, at, 1.0));
+        let each = self
+            .points_mm(over)
+            .map(|at| self.error_mm(over, over, at, -1.0) - self.error_mm(over, over, at, 1.0));
         each.sum::<f64>() / f64::from(POINTS)
     }
 
-    /// Largest less smallest of a function over what is told of a slide, in the sense of a `sense`, mm.
+    /// Largest less smallest of a function over what is told of a slide, mm.
     pub(super) fn extent_mm(&self, of: impl Fn(f64) -> f64, over: Axis) -> f64 {
-        let [low, high] = self.told_mm(over);
-        let at = (0..POINTS).map(|k| low + (high - low) * f64::from(k) / f64::from(POINTS - 1));
-        let (least, most) =
-            at.map(of).fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), e| {
-                (least.min(e), most.max(e))
-            });
-        most - least
+        extent(self.points_mm(over).map(of))
     }
+
+    /// Largest less smallest of a function of position and sense over what is told of a slide and both senses, mm.
+    pub(super) fn extent_both_mm(&self, of: impl Fn(f64, f64) -> f64, over: Axis) -> f64 {
+        extent(self.points_mm(over).flat_map(|at| [of(at, 1.0), of(at, -1.0)]))
+    }
+
+    fn points_mm(&self, over: Axis) -> impl Iterator<Item = f64> {
+        let [low, high] = self.told_mm(over);
+        (0..POINTS).map(move |k| low + (high - low) * f64::from(k) / f64::from(POINTS - 1))
+    }
+}
+
+fn extent(values: impl Iterator<Item = f64>) -> f64 {
+    let (least, most) = values
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), e| (least.min(e), most.max(e)));
+    most - least
 }
 
 /// Points along each axis where a linear error is fitted.

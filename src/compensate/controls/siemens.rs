@@ -23,14 +23,12 @@ pub(super) const MOST_TABLES: usize = 8;
 /// No table has a smaller step, mm.
 const LEAST_STEP_MM: f64 = 1e-3;
 
-/// What a pair of axes would have of the tables.
-struct Pair {
+/// An error of cross error compensation.
+struct Cross {
     over: Axis,
     along: Axis,
-    /// How many tables it takes, and how much of the error it holds for each, mm.
-    tables: usize,
-    worth_mm: f64,
-    ways: [Option<(Ways, f64)>; 2],
+    /// Largest less smallest, over both senses, of what no table, one for both senses, and one for each leave, mm.
+    left_mm: [f64; 3],
 }
 
 pub(super) fn write(wanted: &Wanted, limits: &Limits) -> Result<Written> {
@@ -71,42 +69,37 @@ pub(super) fn write(wanted: &Wanted, limits: &Limits) -> Result<Written> {
     Ok(written)
 }
 
-/// The tables of cross error compensation, those that hold most first.
+/// The tables of cross error compensation.
 fn crossed(wanted: &Wanted, limits: &Limits, written: &mut Written) -> Result<String> {
     let mut text = String::from("%_N_NC_CEC_INI\nCHANDATA(1)\n");
-    let mut left = limits.most_tables;
-    for pair in pairs(wanted) {
-        if pair.tables > left {
+    let mut number = 0;
+    let crosses = crosses(wanted);
+    for (cross, tables) in crosses.iter().zip(shared(&crosses, limits.most_tables)) {
+        let (over, along) = (cross.over, cross.along);
+        let left_mm = cross.left_mm[tables];
+        if left_mm >= SMALLEST_MM {
+            let what = if tables == 0 { "the error" } else { "what depends on the direction" };
             written.lost.push(format!(
-                "no table is left for the error of {} along {}, {:.2} um",
-                pair.over,
-                pair.along,
-                1e3 * pair.worth_mm * pair.tables as f64
+                "no table is left for {what} of {over} along {along}, {:.2} um",
+                1e3 * left_mm
             ));
-            continue;
         }
-        let told = wanted.told_mm(pair.over);
-        let points = even(pair.over, told, told, limits)?;
+        let ways: &[(i8, f64)] = match tables {
+            0 => continue,
+            1 => &[(0, 0.0)],
+            _ => &[(1, 1.0), (-1, -1.0)],
+        };
+        let told = wanted.told_mm(over);
+        let points = even(over, told, told, limits)?;
         if points.coarse {
-            written.lost.push(coarse(pair.over, points.step_mm));
+            written.lost.push(coarse(over, points.step_mm));
         }
-        for (ways, sense) in pair.ways.into_iter().flatten() {
-            let number = limits.most_tables - left;
-            left -= 1;
+        for (direction, sense) in ways {
             for (k, at) in points.at_mm.iter().enumerate() {
-                let mut value_mm = -wanted.error_mm(pair.over, pair.along, *at, sense);
-                if pair.over == pair.along {
-                    // What both directions have in common is in LEC.
-                    value_mm += wanted.error_mm(pair.over, pair.along, *at, 0.0);
-                }
+                let value_mm = -held_mm(wanted, over, along, *at, *sense);
                 let _ = writeln!(text, "$AN_CEC[{number},{k}]={:.5}", value_mm + 0.0);
             }
-            let direction = match ways {
-                Ways::Both => 0,
-                Ways::Plus => 1,
-                Ways::Minus => -1,
-            };
-            let (input, output) = (pair.over.index() + 1, pair.along.index() + 1);
+            let (input, output) = (over.index() + 1, along.index() + 1);
             let (first, last) = (points.at_mm[0], points.at_mm[points.at_mm.len() - 1]);
             let _ = writeln!(
                 text,
@@ -115,47 +108,57 @@ fn crossed(wanted: &Wanted, limits: &Limits, written: &mut Written) -> Result<St
                  $AN_CEC_MULT_BY_TABLE[{number}]=0\n$AN_CEC_IS_MODULO[{number}]=0",
                 points.step_mm
             );
+            number += 1;
         }
     }
     text.push_str("M17\n");
     Ok(text)
 }
 
-fn pairs(wanted: &Wanted) -> Vec<Pair> {
-    let mut pairs = Vec::new();
-    for over in Axis::ALL {
-        for along in Axis::ALL {
-            let of = |sense: f64| move |at: f64| wanted.error_mm(over, along, at, sense);
-            let bend_mm = if over == along { 0.0 } else { wanted.extent_mm(of(0.0), over) };
-            let middle_mm = 0.5 * wanted.told_mm(over).iter().sum::<f64>();
-            let play_mm = (of(1.0)(middle_mm) - of(-1.0)(middle_mm)).abs();
-            let by_direction = play_mm >= SMALLEST_MM;
-            if bend_mm < SMALLEST_MM && !by_direction {
-                continue;
-            }
-            let two = [Some((Ways::Plus, 1.0)), Some((Ways::Minus, -1.0))];
-            let one = [Some((Ways::Both, 0.0)), None];
-            let mut told = |ways: [Option<(Ways, f64)>; 2], worth_mm: f64| {
-                let tables = ways.iter().flatten().count();
-                pairs.push(Pair { over, along, tables, worth_mm: worth_mm / tables as f64, ways });
-            };
-            if by_direction {
-                told(two, bend_mm + play_mm);
-            }
-            if bend_mm >= SMALLEST_MM && (!by_direction || bend_mm > play_mm) {
-                told(one, bend_mm);
-            }
-        }
+/// What CEC has of an error: what both directions of a positioning have in common is in LEC, mm.
+fn held_mm(wanted: &Wanted, over: Axis, along: Axis, at_mm: f64, sense: f64) -> f64 {
+    let of = |sense: f64| wanted.error_mm(over, along, at_mm, sense);
+    if over == along { of(sense) - of(0.0) } else { of(sense) }
+}
+
+fn crosses(wanted: &Wanted) -> Vec<Cross> {
+    let pairs = Axis::ALL.into_iter().flat_map(|over| Axis::ALL.map(|along| (over, along)));
+    let of = |(over, along)| {
+        let held = |at: f64, sense: f64| held_mm(wanted, over, along, at, sense);
+        let none = wanted.extent_both_mm(held, over);
+        let one = wanted.extent_both_mm(|at, sense| held(at, sense) - held(at, 0.0), over);
+        // What rounds to nothing asks for no table, and a table that takes nothing off is none.
+        let one = if none - one < SMALLEST_MM { none } else { one };
+        let left_mm = [none, one, if one < SMALLEST_MM { one } else { 0.0 }];
+        Cross { over, along, left_mm }
+    };
+    pairs.map(of).filter(|cross| cross.left_mm[0] >= SMALLEST_MM).collect()
+}
+
+/// How many of the tables each error has, so that the sum of what is left is least: over the errors one after the other, the
+/// least sum for every number of tables that are still free.
+fn shared(crosses: &[Cross], most_tables: usize) -> Vec<usize> {
+    let most_tables = most_tables.min(2 * crosses.len());
+    let mut least_mm = vec![0.0; most_tables + 1];
+    let mut chosen = Vec::new();
+    for cross in crosses {
+        let best = |free: usize| {
+            let with = |tables: usize| (tables, least_mm[free - tables] + cross.left_mm[tables]);
+            // Of equals the fewest tables.
+            (0..=free.min(2)).map(with).min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default()
+        };
+        let each: Vec<(usize, f64)> = (0..=most_tables).map(best).collect();
+        least_mm = each.iter().map(|best| best.1).collect();
+        chosen.push(each);
     }
-    pairs.sort_by(|a, b| b.worth_mm.total_cmp(&a.worth_mm));
-    // One of both ways to hold a pair is enough: the one that came first.
-    let mut known = Vec::new();
-    pairs.retain(|pair| {
-        let new = !known.contains(&(pair.over, pair.along));
-        known.push((pair.over, pair.along));
-        new
-    });
-    pairs
+    let mut free = most_tables;
+    let mut tables: Vec<usize> = Vec::new();
+    for each in chosen.iter().rev() {
+        tables.push(each[free].0);
+        free -= each[free].0;
+    }
+    tables.reverse();
+    tables
 }
 
 /// What a file says of one table.
