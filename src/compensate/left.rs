@@ -48,8 +48,14 @@ pub struct Left {
 
 const SENSES: [[f64; 3]; 4] =
     [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
-/// Points along each axis.
-const POINTS: usize = 7;
+/// Points in the box that holds what was measured, and of a slide alone.
+const POINTS: usize = 8000;
+const OF_A_SLIDE: usize = 200;
+/// The root of `x^(d+1) = x + 1` for one dimension and for three. Multiples of its inverse powers fill a unit box evenly and
+/// never step by the pitch of an error, as those of a grid may (M. Roberts, The unreasonable effectiveness of quasirandom
+/// sequences, 2018).
+const ONE: f64 = 1.618_033_988_749_895;
+const THREE: f64 = 1.220_744_084_605_759_5;
 
 /// The errors of a machine with what its control takes off.
 pub(super) struct Beside<'a> {
@@ -103,11 +109,10 @@ impl Beside<'_> {
         let measured = Measured::by(self.field.errors());
         let [low, high] = measured.range_mm();
         let at = |k: usize| {
-            let of = [k % POINTS, k / POINTS % POINTS, k / POINTS / POINTS];
-            let share = Vector3::from(of.map(|k| k as f64 / (POINTS - 1) as f64));
-            low + (high - low).component_mul(&share)
+            let share = |of: i32| (k as f64 * THREE.powi(-of)).fract();
+            low + (high - low).component_mul(&Vector3::new(share(1), share(2), share(3)))
         };
-        (0..POINTS.pow(3)).map(at).filter(|p| measured.beyond_mm(p) <= 1e-6).collect()
+        (0..POINTS).map(at).filter(|p| measured.beyond_mm(p) <= 1e-6).collect()
     }
 
     /// Names and sizes of groups, mm rms.
@@ -134,8 +139,8 @@ impl Beside<'_> {
         let mut told = Vec::new();
         for over in Axis::ALL {
             let k = over.index();
-            let parts = 3 * POINTS;
-            let at = (0..=parts).map(|i| low[k] + (high[k] - low[k]) * i as f64 / parts as f64);
+            let at =
+                (0..OF_A_SLIDE).map(|i| low[k] + (high[k] - low[k]) * (i as f64 / ONE).fract());
             let at: Vec<Vector3<f64>> = at.map(|at| moved(over, at)).collect();
             let count = at.len() as f64;
             let each: Vec<Vector3<f64>> = at.iter().map(|p| straight(*p)).collect();

@@ -9,27 +9,22 @@ use nalgebra::Vector3;
 use serde_json::Value;
 
 use crate::volume::{HU40T, VERTICAL, analysed, drawn_errors, names, rested, true_mm};
-use crate::work::Work;
+use crate::work::{Work, data};
 
 const SENSES: [[f64; 3]; 4] =
     [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
 
-/// Points of a grid within what was measured.
+/// Middles of the cells of a grid within what was measured.
 fn points(errors: &ErrorModel) -> Vec<Vector3<f64>> {
+    const CELLS: usize = 24;
     let measured = Measured::by(errors);
     let [low, high] = measured.range_mm();
-    let share = |k: usize| k as f64 / 6.0;
-    let mut points = Vec::new();
-    for x in 0..7 {
-        for y in 0..7 {
-            for z in 0..7 {
-                let share = Vector3::new(share(x), share(y), share(z));
-                points.push(low + (high - low).component_mul(&share));
-            }
-        }
-    }
-    points.retain(|p| measured.beyond_mm(p) <= 1e-6);
-    points
+    let at = |k: usize| {
+        let of = [k % CELLS, k / CELLS % CELLS, k / CELLS / CELLS];
+        let share = Vector3::from(of.map(|k| (k as f64 + 0.5) / CELLS as f64));
+        low + (high - low).component_mul(&share)
+    };
+    (0..CELLS.pow(3)).map(at).filter(|p| measured.beyond_mm(p) <= 1e-6).collect()
 }
 
 /// Root mean square of errors, without the rigid motion that fits their mean over senses best, um.
@@ -273,6 +268,36 @@ fn a_slide_that_stood_still_is_left_as_it_is() {
     let column = tables.columns.iter().find(|column| column.over == Axis::Z).unwrap();
     let changes_mm = column.error_mm[0] - column.error_mm[column.error_mm.len() - 1];
     assert!((changes_mm.abs() - 7e-3).abs() < 1e-5, "{changes_mm}");
+}
+
+/// The cyclic error of that test has a pitch of 10 mm and an amplitude of 1 um.
+#[test]
+fn a_short_wave_is_followed_or_left_alone() {
+    let work = Work::new();
+    let test = data("planar250").join("test.toml");
+    work.plain(&["analyse", test.to_str().unwrap(), "-o", "base"]).done();
+    let left_um = |control: Control, more: &[&str], group: &str| {
+        let (told, _) = compensated(&work, control, more);
+        let groups = told["groups"].as_array().unwrap();
+        let of = groups.iter().find(|of| of["name"] == group).unwrap();
+        (of["after_rms_um"].as_f64().unwrap(), told["lost"].to_string())
+    };
+    for (control, more) in
+        [(Control::Linuxcnc, &[][..]), (Control::Siemens, &["--points", "2000"][..])]
+    {
+        let (left, lost) = left_um(control, more, "positioning X");
+        assert!(left < 0.05 && lost == "[]", "{}: {left} {lost}", control.name());
+    }
+    // Points 8 mm apart would make a wave of 40 mm of it.
+    for control in [Control::Linuxcnc, Control::Siemens] {
+        let (left, lost) = left_um(control, &["--step", "8"], "positioning X");
+        assert!(left < 0.72 && lost.contains("too few points for X"), "{left} {lost}");
+    }
+    for axis in ["X", "Y"] {
+        let play = format!("lateral play of {axis}, half of it");
+        let (left, _) = left_um(Control::Siemens, &[], &play);
+        assert!(left < 0.01, "{play}: {left}");
+    }
 }
 
 #[test]

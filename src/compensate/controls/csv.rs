@@ -10,6 +10,7 @@ use nalgebra::Vector3;
 
 use super::asked::{Limits, Named, Written};
 use super::lines::{lines, whole};
+use super::points::{Asked, FINEST_MM};
 use crate::compensate::tables::{Column, Grid, Tables, Ways};
 use crate::compensate::wanted::Wanted;
 use crate::error::Result;
@@ -25,22 +26,25 @@ pub(super) const MOST_POINTS: usize = 21;
 const USUAL_POINTS: usize = 11;
 
 pub(super) fn write(wanted: &Wanted, limits: &Limits) -> Written {
-    let nodes = |axis: Axis| -> Vec<f64> {
-        let [low, high] = wanted.range_mm(axis);
+    let mut lost = Vec::new();
+    let nodes = Axis::ALL.map(|over| {
+        let [low, high] = wanted.range_mm(over);
         let parts =
             limits.step_mm.map_or(USUAL_POINTS - 1, |step| ((high - low) / step).ceil() as usize);
         let parts = parts.clamp(1, limits.most_points.clamp(2, MOST_POINTS) - 1);
+        let asked = Asked { wanted, over, along: &Axis::ALL };
         if high <= low {
-            return vec![low];
+            return asked.points(vec![low], FINEST_MM, &mut lost);
         }
-        let at = (0..=parts).map(|k| low + (high - low) * k as f64 / parts as f64);
-        at.map(|at| (at * 1e4).round() / 1e4).collect()
-    };
-    let at = Axis::ALL.map(nodes);
+        let step_mm = (high - low) / parts as f64;
+        let at = (0..=parts).map(|k| low + k as f64 * step_mm);
+        asked.points(at.map(|at| (at * 1e4).round() / 1e4).collect(), step_mm, &mut lost)
+    });
+    let [x, y, z] = nodes.each_ref().map(|points| &points.at_mm);
     let mut grid = format!("{GRID_HEAD}\n");
-    for z in &at[2] {
-        for y in &at[1] {
-            for x in &at[0] {
+    for z in z {
+        for y in y {
+            for x in x {
                 let c = -1e3 * wanted.vector_mm(&Vector3::new(*x, *y, *z));
                 let _ = writeln!(
                     grid,
@@ -55,9 +59,11 @@ pub(super) fn write(wanted: &Wanted, limits: &Limits) -> Written {
     let mut axes = format!("{AXES_HEAD}\n");
     for over in Axis::ALL {
         for (direction, sense) in [("+", 1.0), ("-", -1.0)] {
-            for at in &at[over.index()] {
-                let c =
-                    Axis::ALL.map(|along| -1e3 * wanted.error_mm(over, along, *at, sense) + 0.0);
+            let points = &nodes[over.index()];
+            for at in &points.at_mm {
+                let of =
+                    |along: Axis| points.value(|at| wanted.error_mm(over, along, at, sense), *at);
+                let c = Axis::ALL.map(|along| -1e3 * of(along) + 0.0);
                 let _ = writeln!(
                     axes,
                     "{over},{at:.4},{direction},{:.4},{:.4},{:.4}",
@@ -72,6 +78,7 @@ pub(super) fn write(wanted: &Wanted, limits: &Limits) -> Written {
             "c is what is added to the commanded position, the error with the other sign, tool against workpiece, along the programmed positive directions, at machine coordinates.".into(),
             "Use one of both: the grid where the control interpolates vectors in space; the functions where it has tables by axis. By direction the grid knows nothing: the difference of both directions is in axes.csv.".into(),
         ],
+        lost,
         ..Written::default()
     }
 }

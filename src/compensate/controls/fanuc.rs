@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 
 use super::asked::{Limits, Named, SMALLEST_MM, Written};
 use super::lines::{Line, lines, whole};
-use super::points::{coarse, even};
+use super::points::{Asked, Points};
 use crate::compensate::tables::{Column, Tables, Ways};
 use crate::compensate::wanted::Wanted;
 use crate::error::{Error, Result};
@@ -37,10 +37,8 @@ pub(super) fn write(wanted: &Wanted, limits: &Limits) -> Result<Written> {
         let of = |at: f64| wanted.error_mm(axis, axis, at, 0.0);
         if wanted.extent_mm(of, axis) >= SMALLEST_MM {
             let travel = wanted.machine().slide(axis).travel_mm;
-            let points = even(axis, travel, wanted.range_mm(axis), limits)?;
-            if points.coarse {
-                written.lost.push(coarse(axis, points.step_mm));
-            }
+            let asked = Asked { wanted, over: axis, along: &[axis] };
+            let points = asked.even(travel, limits, &mut written.lost)?;
             let first = (points.at_mm[0] / points.step_mm).round();
             let count = points.at_mm.len();
             if next + count > MOST_NUMBERS || first > 0.0 || first + (count as f64) < 1.0 {
@@ -51,7 +49,7 @@ pub(super) fn write(wanted: &Wanted, limits: &Limits) -> Result<Written> {
                 .hint("a larger `--step`, or a travel that has the zero of the machine in it"));
             }
             let reference = next + (-first) as usize;
-            let (steps, magnification) = changes(&points.at_mm, limits.unit_mm, &of);
+            let (steps, magnification) = changes(&points, limits.unit_mm, of);
             if magnification > MOST_MAGNIFICATION {
                 return Err(Error::input(format!(
                     "the error of {axis} is too steep for a pitch table"
@@ -96,9 +94,10 @@ pub(super) fn write(wanted: &Wanted, limits: &Limits) -> Result<Written> {
 }
 
 /// The changes of the correction from point to point in units of the magnification, which is the smallest that holds them.
-fn changes(at_mm: &[f64], unit_mm: f64, error_mm: &impl Fn(f64) -> f64) -> (Vec<f64>, usize) {
-    let correction: Vec<f64> = at_mm.iter().map(|at| -error_mm(*at) / unit_mm).collect();
-    let reference = at_mm.iter().position(|at| at.abs() < 1e-6).unwrap_or(0);
+fn changes(points: &Points, unit_mm: f64, error_mm: impl Fn(f64) -> f64) -> (Vec<f64>, usize) {
+    let at_mm = points.at_mm.iter();
+    let correction: Vec<f64> = at_mm.map(|at| -points.value(&error_mm, *at) / unit_mm).collect();
+    let reference = points.at_mm.iter().position(|at| at.abs() < 1e-6).unwrap_or(0);
     let rounded = |magnification: usize| -> Vec<f64> {
         let whole: Vec<f64> = correction
             .iter()

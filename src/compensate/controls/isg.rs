@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 
 use super::asked::{Limits, Named, Written};
 use super::lines::{lines, whole};
-use super::points::{coarse, even};
+use super::points::Asked;
 use crate::compensate::tables::{SlideTable, Tables};
 use crate::compensate::wanted::Wanted;
 use crate::error::Result;
@@ -50,26 +50,21 @@ pub(super) fn write(wanted: &Wanted, limits: &Limits) -> Result<Written> {
         }
         let _ = writeln!(text, "{}", names(axis));
         let travel = machine.slide(axis).travel_mm;
-        let points = even(axis, travel, wanted.range_mm(axis), limits)?;
-        if points.coarse {
-            lost.push(coarse(axis, points.step_mm));
-        }
-        let mut at_mm = points.at_mm;
+        let asked = Asked { wanted, over: axis, along: &Axis::ALL };
+        let points = asked.even(travel, limits, &mut lost)?;
+        let mut at_mm = points.at_mm.clone();
         at_mm.extend(wanted.range_mm(axis));
         at_mm.sort_by(f64::total_cmp);
         at_mm.dedup_by(|a, b| (*a - *b).abs() < SAME_MM);
         let zero = wanted.slide(axis, wanted.reference_mm(axis));
         let before = wanted.existing().slides.as_ref().map(|all| &all[axis.index()]);
         for at in at_mm {
+            let of = |k: usize| points.value(|at| wanted.slide(axis, at).translation_mm[k], at);
             let now = wanted.slide(axis, at);
             let _ = write!(text, "{at:.4}");
             for k in 0..3 {
                 let known = before.map_or(0.0, |table| table.at(at).translation_mm[k]);
-                let _ = write!(
-                    text,
-                    " {:.7}",
-                    now.translation_mm[k] - zero.translation_mm[k] + known + 0.0
-                );
+                let _ = write!(text, " {:.7}", of(k) - zero.translation_mm[k] + known + 0.0);
             }
             for k in 0..3 {
                 let known = before.map_or(0.0, |table| table.at(at).rotation_rad[k]);

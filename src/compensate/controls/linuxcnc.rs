@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 
 use super::asked::{Limits, Named, SMALLEST_MM, Written};
 use super::lines::{lines, whole};
-use super::points::{ENOUGH, coarse};
+use super::points::Asked;
 use crate::compensate::tables::{Column, Tables, Ways};
 use crate::compensate::wanted::Wanted;
 use crate::error::Result;
@@ -27,7 +27,7 @@ pub(super) fn write(wanted: &Wanted, limits: &Limits) -> Written {
     let mut ini = String::from(
         "# for the INI file of the machine, LINEAR_UNITS = mm; X, Y, Z are joints 0, 1, 2\n",
     );
-    let most = limits.most_points.clamp(2, MOST_POINTS);
+    let limits = Limits { most_points: limits.most_points.min(MOST_POINTS), ..*limits };
     for axis in Axis::ALL {
         let of = |sense: f64| move |at: f64| wanted.error_mm(axis, axis, at, sense);
         let bend_mm = wanted.extent_mm(of(0.0), axis);
@@ -45,24 +45,12 @@ pub(super) fn write(wanted: &Wanted, limits: &Limits) -> Written {
             "# BACKLASH has no effect beside this\nCOMP_FILE = {}\nCOMP_FILE_TYPE = 0",
             name(axis)
         );
-        let [low, high] = wanted.told_mm(axis);
         // Beyond its ends a table holds.
-        let step_mm = limits.step_mm.unwrap_or((high - low) / 40.0).max(1e-3);
-        let parts = ((high - low) / step_mm).ceil().clamp(1.0, most as f64 - 1.0);
-        if limits.step_mm.is_none() && parts < ENOUGH {
-            written.lost.push(coarse(axis, (high - low) / parts));
-        }
-        if limits.step_mm.is_some_and(|step_mm| ((high - low) / step_mm).ceil() > parts) {
-            written.lost.push(format!(
-                "the points of {axis} are {:.3} mm apart, not {step_mm} mm: a file has {most} lines at the most",
-                (high - low) / parts
-            ));
-        }
+        let asked = Asked { wanted, over: axis, along: &[axis] };
+        let points = asked.parts(&limits, &mut written.lost);
         let mut text = String::new();
-        for k in 0..=parts as usize {
-            let at = low + (high - low) * k as f64 / parts;
-            let at = (at * 1e4).round() / 1e4;
-            let [plus, minus] = [1.0, -1.0].map(|sense| at + of(sense)(at));
+        for at in &points.at_mm {
+            let [plus, minus] = [1.0, -1.0].map(|sense| at + points.value(of(sense), *at));
             let _ = writeln!(text, "{at:.4} {plus:.6} {minus:.6}");
         }
         written.files.push((name(axis), text));

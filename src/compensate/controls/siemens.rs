@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 
 use super::asked::{Limits, Named, SMALLEST_MM, Written};
 use super::lines::{Line, lines, whole};
-use super::points::{coarse, even};
+use super::points::Asked;
 use crate::compensate::tables::{Column, Tables, Ways};
 use crate::compensate::wanted::Wanted;
 use crate::error::Result;
@@ -40,12 +40,11 @@ pub(super) fn write(wanted: &Wanted, limits: &Limits) -> Result<Written> {
             continue;
         }
         let travel = wanted.machine().slide(axis).travel_mm;
-        let points = even(axis, travel, wanted.range_mm(axis), limits)?;
-        if points.coarse {
-            written.lost.push(coarse(axis, points.step_mm));
-        }
+        let asked = Asked { wanted, over: axis, along: &[axis] };
+        let points = asked.even(travel, limits, &mut written.lost)?;
         for (k, at) in points.at_mm.iter().enumerate() {
-            let _ = writeln!(lec, "$AA_ENC_COMP[0,{k},{axis}1]={:.5}", of(*at) + 0.0);
+            let value_mm = points.value(of, *at);
+            let _ = writeln!(lec, "$AA_ENC_COMP[0,{k},{axis}1]={:.5}", value_mm + 0.0);
         }
         let (first, last) = (points.at_mm[0], points.at_mm[points.at_mm.len() - 1]);
         let _ = writeln!(
@@ -89,14 +88,13 @@ fn crossed(wanted: &Wanted, limits: &Limits, written: &mut Written) -> Result<St
             1 => &[(0, 0.0)],
             _ => &[(1, 1.0), (-1, -1.0)],
         };
-        let told = wanted.told_mm(over);
-        let points = even(over, told, told, limits)?;
-        if points.coarse {
-            written.lost.push(coarse(over, points.step_mm));
-        }
+        // Of a positioning only what hangs on the direction is here, and that is smooth.
+        let bent = if over == along { &[][..] } else { std::slice::from_ref(&cross.along) };
+        let asked = Asked { wanted, over, along: bent };
+        let points = asked.even(wanted.told_mm(over), limits, &mut written.lost)?;
         for (direction, sense) in ways {
             for (k, at) in points.at_mm.iter().enumerate() {
-                let value_mm = -held_mm(wanted, over, along, *at, *sense);
+                let value_mm = -points.value(|at| held_mm(wanted, over, along, at, *sense), *at);
                 let _ = writeln!(text, "$AN_CEC[{number},{k}]={:.5}", value_mm + 0.0);
             }
             let (input, output) = (over.index() + 1, along.index() + 1);
