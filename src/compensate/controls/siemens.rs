@@ -77,7 +77,9 @@ fn crossed(wanted: &Wanted, limits: &Limits, written: &mut Written) -> Result<St
         let (over, along) = (cross.over, cross.along);
         let left_mm = cross.left_mm[tables];
         if left_mm >= SMALLEST_MM {
-            let what = if tables == 0 { "the error" } else { "what depends on the direction" };
+            // LEC has what both directions of a positioning have in common.
+            let all = tables == 0 && over != along;
+            let what = if all { "the error" } else { "what depends on the direction" };
             written.lost.push(format!(
                 "no table is left for {what} of {over} along {along}, {:.2} um",
                 1e3 * left_mm
