@@ -1,5 +1,10 @@
 //! What the chords of a leg tell of its time.
 
+/// A leg whose chords are not told counts by its mean over so many standard deviations of its time.
+const PLAUSIBLE: f64 = 4.0;
+/// And over so many chords at the most.
+const MOST_CHORDS: f64 = 1000.0;
+
 /// The chords of a leg, and whether they are told.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[expect(clippy::struct_field_names, reason = "every f64 says its unit")]
@@ -23,6 +28,16 @@ impl LegChords {
     /// Each chord counts from now on where it is.
     pub fn see(&mut self) {
         (self.blur_s, self.told_s) = (0.0, None);
+    }
+
+    /// No chord is told of an offset with this standard deviation, s, but what all of them tell of it: the path counts in its mean over
+    /// a whole number of chords, and as long as the times of readings are uncertain.
+    pub fn blur(&mut self, sigma_s: f64, told_s: Option<[f64; 2]>) {
+        if self.lasts_s > 0.0 {
+            let chords = (PLAUSIBLE * sigma_s / self.lasts_s).clamp(1.0, MOST_CHORDS).ceil();
+            self.blur_s = self.lasts_s * chords;
+        }
+        (self.told_s, self.ambiguity_s) = (told_s, 0.0);
     }
 
     /// By what an offset with this standard deviation would be less without what chords and reversals told of it, and its

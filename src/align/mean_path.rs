@@ -1,8 +1,12 @@
 //! The commanded length along a leg, in its mean over a while: what is left of a path where its chords and the rounding of
 //! its blocks are not told.
+//!
+//! Where the program steps at a reversal the mean steps, too: the machine steps there against it, at once, and a mean over both
+//! would tell the time of the reversal by what is not there.
 
 use nalgebra::Vector3;
 
+use super::path_steps::{PathStep, path_steps};
 use super::section::Section;
 use crate::motion::Trajectory;
 
@@ -19,8 +23,10 @@ pub(super) struct MeanPath {
     /// From where to where each arc goes, s of program time.
     arcs_s: Vec<[f64; 2]>,
     step_s: f64,
-    /// Integral from the start of the first arc to each point, mm s.
+    /// Integral of the path without its steps from the start of the first arc to each point, mm s.
     sums: Vec<f64>,
+    /// Where it steps, and the sum of all steps until then and this one, mm.
+    steps: Vec<(PathStep, f64)>,
 }
 
 impl MeanPath {
@@ -37,24 +43,59 @@ impl MeanPath {
         let finest_s = if chord_s > 0.0 { chord_s / POINTS_A_CHORD } else { STEP_S };
         let step_s = finest_s.max(lasts_s / MOST_POINTS);
         let points = (lasts_s / step_s).ceil() as usize;
-        let beyond_mm = |k: usize| {
+        let beyond_mm =
+            |then_s: f64| (trajectory.at(then_s).position_mm - coincidence_mm).norm() - radius_mm;
+        let arcs_s: Vec<[f64; 2]> = arcs.iter().map(|arc| [arc.start_s, arc.end_s]).collect();
+        let reversals_s = trajectory.reversals_s();
+        let of_arc =
+            |arc: &[f64; 2]| path_steps(trajectory, &reversals_s, *arc, chord_s, &beyond_mm);
+        let mut sum_mm = 0.0;
+        let summed = arcs_s.iter().flat_map(of_arc).map(|step| {
+            sum_mm += step.by_mm;
+            (step, sum_mm)
+        });
+        let mut path = Self { steps: summed.collect(), arcs_s, step_s, sums: vec![0.0] };
+        let smooth_mm = |k: usize| {
             let then_s = (first.start_s + k as f64 * step_s).min(last.end_s);
-            (trajectory.at(then_s).position_mm - coincidence_mm).norm() - radius_mm
+            let smooth_mm = |at_s: f64| beyond_mm(at_s) - path.stepped_mm(at_s);
+            let Some(step) = path.step_at(then_s, 0.0) else { return smooth_mm(then_s) };
+            // Straight across the blocks that step.
+            let [from_s, to_s] = step.over_s;
+            let share = (then_s - from_s) / (to_s - from_s);
+            (1.0 - share) * smooth_mm(from_s) + share * smooth_mm(to_s)
         };
+        let mut before_mm = smooth_mm(0);
         let mut sums = vec![0.0];
-        let mut before_mm = beyond_mm(0);
         for k in 1..=points {
-            let here_mm = beyond_mm(k);
+            let here_mm = smooth_mm(k);
             sums.push(sums[k - 1] + 0.5 * step_s * (before_mm + here_mm));
             before_mm = here_mm;
         }
-        let arcs_s = arcs.iter().map(|arc| [arc.start_s, arc.end_s]).collect();
-        Some(Self { arcs_s, step_s, sums })
+        path.sums = sums;
+        Some(path)
     }
 
-    /// `1 / T * integral of (length - radius)` over `T` about a program time, mm; near the end of an arc over less, so that
-    /// all of it lies on the arc.
-    pub(super) fn mean_mm(&self, program_s: f64, over_s: f64) -> f64 {
+    /// The step that the path leads over within so long of a program time, s.
+    pub(super) fn step_at(&self, program_s: f64, within_s: f64) -> Option<&PathStep> {
+        let ended = |step: &PathStep| step.over_s[1] <= program_s - within_s;
+        let next = self.steps.get(self.steps.partition_point(|(step, _)| ended(step)));
+        next.map(|(step, _)| step).filter(|step| step.over_s[0] < program_s + within_s)
+    }
+
+    /// The sum of all steps until a program time, mm.
+    pub(super) fn stepped_mm(&self, program_s: f64) -> f64 {
+        let until = self.steps.partition_point(|(step, _)| step.turns_s <= program_s);
+        until.checked_sub(1).map_or(0.0, |last| self.steps[last].1)
+    }
+
+    /// Whether it steps anywhere.
+    pub(super) fn steps(&self) -> bool {
+        !self.steps.is_empty()
+    }
+
+    /// `1 / T * integral of (length - radius - stepped)` over `T` about a program time, mm; near the end of an arc over less, so
+    /// that all of it lies on the arc.
+    pub(super) fn smooth_mm(&self, program_s: f64, over_s: f64) -> f64 {
         let next = self.arcs_s.partition_point(|arc| arc[0] <= program_s);
         let [start_s, end_s] = self.arcs_s[next.saturating_sub(1)];
         let at_s = program_s.clamp(start_s, end_s);

@@ -27,6 +27,7 @@ mod leg_chords;
 mod mean_path;
 mod misread;
 mod off_centre;
+mod path_steps;
 mod ramp;
 mod run;
 mod samples;

@@ -222,10 +222,38 @@ impl Alignment {
         self.means = (0..map.offsets_s.len()).map(of_leg).map(Arc::new).collect();
     }
 
-    /// Commanded length minus radius at a program time of a leg, in its mean over a while, mm; 0 before it was looked up.
+    /// Commanded length minus radius at a program time of a leg, in its mean over a while, mm, its steps at reversals as they are; 0
+    /// before it was looked up.
     pub fn mean_mm(&self, leg: usize, program_s: f64, over_s: f64) -> f64 {
-        let path = self.means.get(leg).and_then(|path| path.as_ref().as_ref());
-        path.map_or(0.0, |path| path.mean_mm(program_s, over_s))
+        self.mean_stepped_mm(leg, program_s, over_s, program_s)
+    }
+
+    /// The same with the steps until another time.
+    pub fn mean_stepped_mm(&self, leg: usize, program_s: f64, over_s: f64, until_s: f64) -> f64 {
+        let mean_mm =
+            |path: &MeanPath| path.smooth_mm(program_s, over_s) + path.stepped_mm(until_s);
+        self.path(leg).map_or(0.0, mean_mm)
+    }
+
+    /// Whether the path of a leg steps where slides turn.
+    pub fn steps(&self, leg: usize) -> bool {
+        self.path(leg).is_some_and(MeanPath::steps)
+    }
+
+    /// Whether it does within so long of a program time, and the leg counts by its mean, which has no ramp for it.
+    pub fn steps_at(&self, leg: usize, program_s: f64, within_s: f64) -> bool {
+        let in_mean = self.time_map.chords[leg].blur_s > 0.0;
+        in_mean && self.path(leg).is_some_and(|path| path.step_at(program_s, within_s).is_some())
+    }
+
+    /// By how much the path of a leg steps from one program time to another, mm.
+    pub fn steps_mm(&self, leg: usize, from_s: f64, to_s: f64) -> f64 {
+        self.path(leg).map_or(0.0, |path| path.stepped_mm(to_s) - path.stepped_mm(from_s))
+    }
+
+    /// The path of a leg, where it was looked up.
+    fn path(&self, leg: usize) -> Option<&MeanPath> {
+        self.means.get(leg).and_then(|path| path.as_ref().as_ref())
     }
 
     /// From the path onto its mean over so long, mm.

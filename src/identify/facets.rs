@@ -1,7 +1,5 @@
 //! Where chords and reversals of the program put a leg whose time is known coarsely.
 
-use nalgebra::Vector3;
-
 use super::input::RunInput;
 use super::timing::{Detail, SMOOTH_S, TURNING_S, stride, view};
 use crate::align::{MarkKind, Part, Sample, TimeMap};
@@ -16,10 +14,6 @@ const FARTHEST_S: f64 = 2.0;
 const STEPS_A_CATCH: f64 = 8.0;
 /// And most steps either way.
 const MOST_STEPS: f64 = 800.0;
-/// A leg whose chords are not told counts by its mean over so many standard deviations of its time.
-const PLAUSIBLE: f64 = 4.0;
-/// And over so many chords at the most.
-const MOST_CHORDS: f64 = 1000.0;
 /// Neighbouring readings are not independent: their misfits count half.
 const CORRELATED: f64 = 2.0;
 
@@ -73,6 +67,11 @@ pub(super) fn find(model: &Model, values: &[f64], run: &mut RunInput, look: Look
         // Where the offset lies by all but what chords and reversals told before, as a shift from here.
         let [prior_s, sigma_s] =
             map.chords[leg].untold_s(map.offsets_s[leg], map.offset_sigmas_s[leg]);
+        if !visible && run.alignment.steps(leg) {
+            // What the program steps the machine steps back: where neither is seen by itself, they tell no time.
+            run.alignment.time_map.chords[leg].blur(sigma_s, None);
+            continue;
+        }
         let reach_s = (4.0 * sigma_s).clamp(5.0 * catch_s, FARTHEST_S);
         let step_s = (catch_s / STEPS_A_CATCH).max(reach_s / MOST_STEPS);
         let reach = (reach_s / step_s).ceil() as i32;
@@ -113,17 +112,14 @@ pub(super) fn find(model: &Model, values: &[f64], run: &mut RunInput, look: Look
             map.chords[leg].ambiguity_s = outside_s;
             continue;
         }
-        // A whole number of chords, and as long as the times of readings are uncertain.
-        map.chords[leg].blur_s = chord_s
-            * (PLAUSIBLE * sigma_s / chord_s.max(f64::EPSILON)).clamp(1.0, MOST_CHORDS).ceil();
-        map.chords[leg].ambiguity_s = 0.0;
         let mean_s = best.0 + first_s / mass;
         let variance_s2 = (second_s2 / mass - (first_s / mass).powi(2)).max(step_s.powi(2));
         let told = variance_s2.recip() - sigma_s.powi(2).recip();
-        map.chords[leg].told_s = (told > 0.0).then(|| {
+        let told_s = (told > 0.0).then(|| {
             let shift_s = (mean_s / variance_s2 - prior_s / sigma_s.powi(2)) / told;
             [map.offsets_s[leg] - shift_s, told.recip().sqrt().hypot(along_s)]
         });
+        map.chords[leg].blur(sigma_s, told_s);
     }
     found
 }
@@ -311,20 +307,23 @@ impl<'a> LegReadings<'a> {
                     (state.position_mm - coincidence_mm).norm() - alignment.radius_mm
                 };
                 let facet_mm = commanded_mm - mean_mm(SMOOTH_S);
-                let left_mm = |sense: Vector3<f64>| {
+                // With senses and steps of the path as they are at another time.
+                let left_mm = |then_s: f64| {
+                    let left_mm =
+                        slow_mm - alignment.steps_mm(sample.leg, sample.program_s, then_s);
+                    let sense = trajectory.at(then_s).sense;
                     if sense == sample.pose.sense {
-                        return *slow_mm;
+                        return left_mm;
                     }
                     let turned = Pose { sense, ..sample.pose };
-                    slow_mm - (length_mm(&turned, sample) - length_mm(&sample.pose, sample))
+                    left_mm - (length_mm(&turned, sample) - length_mm(&sample.pose, sample))
                 };
                 let before = self.reversals_s.partition_point(|s| *s < program_s - zone_s);
                 let near = self.reversals_s.get(before).filter(|s| **s < program_s + zone_s);
                 let least_mm = match near {
-                    None => left_mm(state.sense),
+                    None => left_mm(program_s),
                     Some(&reversal_s) => {
-                        let sides = [-zone_s, zone_s];
-                        let sides = sides.map(|s| left_mm(trajectory.at(program_s + s).sense));
+                        let sides = [-zone_s, zone_s].map(|aside_s| left_mm(program_s + aside_s));
                         turning_mm(sides, program_s - reversal_s, window_s)
                     }
                 };

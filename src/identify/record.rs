@@ -50,6 +50,12 @@ impl Apart {
         }
     }
 
+    /// What is kept from every moment at which something turns, steps or ends: three standard deviations of the time of a sample, and
+    /// so much at the least, s.
+    pub(super) fn kept_s(sample: &Sample, guard_s: f64) -> f64 {
+        guard_s.max(3.0 * sample.time_sigma_s)
+    }
+
     /// Why a sample takes no part: only one on an arc does, where the sense of every axis is known, that is,
     /// where no axis turns round and the arc neither begins nor ends within three standard deviations of its time, and
     /// not within `guard_s`.
@@ -69,7 +75,7 @@ impl Apart {
             return Some(Self::TimeUnknown);
         }
         let next = reversals_s.partition_point(|t| *t < sample.program_s);
-        let guard_s = guard_s.max(3.0 * sample.time_sigma_s);
+        let guard_s = Self::kept_s(sample, guard_s);
         let near = |time_s: f64| (time_s - sample.program_s).abs() < guard_s;
         let turns = |index: usize| reversals_s.get(index).is_some_and(|t| near(*t));
         if near(section.start_s) || near(section.end_s) {

@@ -2,6 +2,7 @@
 
 use super::input::RunInput;
 use super::record::Apart;
+use crate::align::Sample;
 
 /// Where a fit stands.
 #[derive(Debug, Clone)]
@@ -73,7 +74,14 @@ pub(super) fn apart(runs: &[RunInput], guard_s: f64) -> Vec<Vec<Option<Apart>>> 
         let averaged = run.alignment.averaged > 1;
         let half_s = if averaged { 0.5 * run.alignment.sample_period_s } else { 0.0 };
         let guard_s = guard_s + half_s;
-        let apart = |sample: &_| Apart::of(sample, &reversals_s, sections, guard_s);
+        let steps = |sample: &Sample| {
+            let kept_s = Apart::kept_s(sample, guard_s);
+            run.alignment.steps_at(sample.leg, sample.program_s, kept_s)
+        };
+        let apart = |sample: &Sample| {
+            let apart = Apart::of(sample, &reversals_s, sections, guard_s);
+            apart.or_else(|| steps(sample).then_some(Apart::Reversal))
+        };
         run.samples().iter().map(apart).collect()
     };
     runs.iter().map(of_run).collect()

@@ -122,7 +122,9 @@ pub(super) fn view(
         if facets_count {
             length_mm(position_mm)
         } else {
-            let mean_mm = run.alignment.mean_mm(sample.leg, then_s, mean_s);
+            // Like the step of the senses, that of the path is no slope.
+            let here_s = sample.program_s;
+            let mean_mm = run.alignment.mean_stepped_mm(sample.leg, then_s, mean_s, here_s);
             run.alignment.radius_mm + mean_mm + late_only_mm(position_mm)
         }
     };

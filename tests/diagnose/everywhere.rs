@@ -122,10 +122,10 @@ fn a_compensated_machine_is_measured_again() {
     assert!(campaign.repeats[0].rms_mm < 1.05 * 0.1041e-3, "{}", campaign.repeats[0].rms_mm);
 }
 
-/// Chords of 8 ms that the control rounds out tell nothing of times that are known to 15 ms, whenever readings were taken.
-#[test]
-fn chords_that_readings_do_not_tell_are_not_read() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/fine_chords");
+/// Of runs of the machine that LinuxCNC drives, each for itself: only the noise is left, and every scale and lost motion is within 3
+/// of its *all*.
+fn each_run_tells_scale_and_lost_motion(set: &str) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(set);
     let (_, campaign, diagnosis) =
         judge::diagnosed(&Test::read(&folder.join("test.toml")).unwrap());
     assert!(diagnosis.findings.is_empty(), "{:?}", diagnosis.findings);
@@ -145,7 +145,23 @@ fn chords_that_readings_do_not_tell_are_not_read() {
             let off_mm = estimate.value - truth_mm;
             assert!(off_mm.abs() < 3.0 * estimate.all.unwrap(), "{name}: {estimate:?}");
         }
+        for run in &repeat.runs {
+            let [excess, sigma] = run.alignment.time_map.feed_excess().unwrap_or([0.0, 1e-3]);
+            assert!(excess.abs() < 3.0 * sigma, "feed {excess} +- {sigma}");
+        }
     }
+}
+
+/// Chords of 8 ms that the control rounds out tell nothing of times that are known to 15 ms, whenever readings were taken.
+#[test]
+fn chords_that_readings_do_not_tell_are_not_read() {
+    each_run_tells_scale_and_lost_motion("fine_chords");
+}
+
+/// Where a corrected program steps back what the machine loses nothing is read, and so no time is told there.
+#[test]
+fn what_cancels_where_slides_turn_tells_no_time() {
+    each_run_tells_scale_and_lost_motion("corrected_loop");
 }
 
 #[test]
