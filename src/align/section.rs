@@ -106,6 +106,11 @@ impl Circle {
     }
 }
 
+/// In such steps it is followed how an arc comes to its speed, s.
+const LAG_STEP_S: f64 = 1e-3;
+/// And until less than this share of it is missing.
+const NEARLY: f64 = 0.01;
+
 /// A meridian within this angle of a coordinate plane is meant to lie in it, degrees: its azimuth has one decimal.
 const IN_PLANE_DEG: f64 = 0.15;
 
@@ -131,6 +136,9 @@ pub struct Section {
     pub data_s: [f64; 2],
     /// Feed, mm/s.
     pub feed_mm_s: f64,
+    /// By how much later than at full speed it comes off where it begins, and is early at its end, s: half of what it takes to
+    /// accelerate from a standstill.
+    pub lags_s: [f64; 2],
 }
 
 impl Section {
@@ -287,6 +295,7 @@ fn section(trajectory: &Trajectory, begin: usize, end: usize, rig: &Rig) -> Opti
         sweep_rad: swept.abs(),
         data_s: data_arc::of(trajectory, blocks, swept.abs()),
         feed_mm_s: longest,
+        lags_s: lags_s(trajectory, [start_s, end_s]),
     };
     // A comment that was there before this arc, on an M00 say, is not its name; nor is that of its overshoot.
     let named = blocks.iter().find(|block| !data_arc::is_overshoot(trajectory.label(block)));
@@ -296,6 +305,23 @@ fn section(trajectory: &Trajectory, begin: usize, end: usize, rig: &Rig) -> Opti
         .filter(|label| own && !label.is_empty())
         .map_or_else(|| unnamed(&section), str::to_owned);
     Some(section)
+}
+
+/// `integral of (1 - v / v_max) dt` from either end until the speed is `v_max`, the highest in between, or half of the time is over.
+fn lags_s(trajectory: &Trajectory, [start_s, end_s]: [f64; 2]) -> [f64; 2] {
+    let half_s = 0.5 * (end_s - start_s);
+    let speed_mm_s = |then_s: f64| trajectory.at(then_s).velocity_mm_s.norm();
+    let shares = (1..POINTS).map(|k| k as f64 / POINTS as f64);
+    let speeds = shares.map(|share| speed_mm_s(start_s + 2.0 * half_s * share));
+    let fastest_mm_s = speeds.fold(f64::MIN_POSITIVE, f64::max);
+    [(start_s, 1.0), (end_s, -1.0)].map(|(from_s, inwards)| {
+        let steps = 0..(half_s / LAG_STEP_S) as usize;
+        let slower = steps.map(|k| {
+            let then_s = from_s + inwards * (k as f64 + 0.5) * LAG_STEP_S;
+            1.0 - speed_mm_s(then_s) / fastest_mm_s
+        });
+        slower.take_while(|slower| *slower > NEARLY).map(|slower| slower * LAG_STEP_S).sum()
+    })
 }
 
 /// A slide that goes less far than this on all arcs stands still, mm: so little is rounding of the program.

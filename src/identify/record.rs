@@ -50,15 +50,15 @@ impl Apart {
         }
     }
 
-    /// What is kept from every moment at which something turns, steps or ends: three standard deviations of the time of a sample, and
-    /// so much at the least, s.
-    pub(super) fn kept_s(sample: &Sample, guard_s: f64) -> f64 {
-        guard_s.max(3.0 * sample.time_sigma_s)
+    /// What is kept from a moment at which something turns, steps or ends, s: three standard deviations of the time of a sample and by
+    /// how much that moment itself may be elsewhere, and `guard_s` at the least.
+    pub(super) fn kept_s(sample: &Sample, guard_s: f64, elsewhere_s: f64) -> f64 {
+        guard_s.max(3.0 * sample.time_sigma_s + elsewhere_s)
     }
 
     /// Why a sample takes no part: only one on an arc does, where the sense of every axis is known, that is,
     /// where no axis turns round and the arc neither begins nor ends within three standard deviations of its time, and
-    /// not within `guard_s`.
+    /// not within `guard_s`, from or to a standstill with so much more as another acceleration makes it late.
     pub(super) fn of(
         sample: &Sample,
         reversals_s: &[f64],
@@ -75,10 +75,11 @@ impl Apart {
             return Some(Self::TimeUnknown);
         }
         let next = reversals_s.partition_point(|t| *t < sample.program_s);
-        let guard_s = Self::kept_s(sample, guard_s);
-        let near = |time_s: f64| (time_s - sample.program_s).abs() < guard_s;
-        let turns = |index: usize| reversals_s.get(index).is_some_and(|t| near(*t));
-        if near(section.start_s) || near(section.end_s) {
+        let kept_s = |elsewhere_s: f64| Self::kept_s(sample, guard_s, elsewhere_s);
+        let near = |time_s: f64, kept_s: f64| (time_s - sample.program_s).abs() < kept_s;
+        let turns = |index: usize| reversals_s.get(index).is_some_and(|t| near(*t, kept_s(0.0)));
+        let [after_s, before_s] = section.lags_s.map(|lag_s| kept_s(LAG_KNOWN * lag_s));
+        if near(section.start_s, after_s) || near(section.end_s, before_s) {
             Some(Self::End)
         } else if turns(next) || next.checked_sub(1).is_some_and(turns) {
             Some(Self::Reversal)
@@ -87,6 +88,9 @@ impl Apart {
         }
     }
 }
+
+/// A control may accelerate twice as fast as stated: an arc then begins later by half of what accelerating makes it late.
+const LAG_KNOWN: f64 = 0.5;
 
 /// With less weight than this a sample counts as rejected: Huber's weight at some 10 sigma.
 const REJECTED: f64 = 0.13;

@@ -75,7 +75,7 @@ pub(super) fn apart(runs: &[RunInput], guard_s: f64) -> Vec<Vec<Option<Apart>>> 
         let half_s = if averaged { 0.5 * run.alignment.sample_period_s } else { 0.0 };
         let guard_s = guard_s + half_s;
         let steps = |sample: &Sample| {
-            let kept_s = Apart::kept_s(sample, guard_s);
+            let kept_s = Apart::kept_s(sample, guard_s, 0.0);
             run.alignment.steps_at(sample.leg, sample.program_s, kept_s)
         };
         let apart = |sample: &Sample| {
