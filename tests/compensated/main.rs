@@ -1,5 +1,6 @@
 //! The loop that a user closes: LinuxCNC drives a ball-bar program, the machine errs, its log is analysed, `compensate` writes what LinuxCNC
-//! takes, LinuxCNC drives the same program with it, and the log of the same machine is analysed again.
+//! takes, LinuxCNC drives the same program with it, and the log of the same machine is analysed again. And without any table, with the
+//! program that `correct` has made right beforehand.
 //!
 //! LinuxCNC's own task, interpreter, planner and compensation move the motors; the errors of the machine are put on
 //! through the exact chain.
@@ -20,16 +21,22 @@ use ballbar::machine::{Axis, ChainErrors, Machine, Mounting, Pose};
 use ballbar::model::{Coefficient, ErrorFunctions};
 use ballbar::motion::Trajectory;
 use ballbar::nc::{self, Reading};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use recording::{Recording, rests};
 use serde_json::Value;
 
 /// How much faster than time LinuxCNC is driven, one attempt after the other: where its queue runs dry an attempt counts for nothing.
 const SPEEDUPS: [&str; 5] = ["10", "5", "2", "1", "1"];
+/// A planner is foretold to 1.5 % (`tests/planner`); what differs by more was not driven as it would be on a machine.
+const SLOWER: f64 = 0.03;
 const LENGTH_MM: f64 = 100.0;
 const RATE_HZ: f64 = 20.0;
 const NOISE_UM: f64 = 0.1;
+/// Sagitta of the chords of the program, um: on the average they lie two thirds of it within the sphere, which no correction changes.
+const SAG_UM: f64 = 0.1;
 const TOOL_MM: [f64; 3] = [0.0, 0.0, -150.0];
+/// Where the workpiece ball is, of each mounting. About one place alone a bow of positioning and one of straightness are the same.
+const BALLS_MM: [[f64; 3]; 2] = [[0.0, 0.0, 0.0], [100.0, 100.0, 100.0]];
 
 /// X and Y carry the workpiece; the limits are those of `machine.ini`.
 fn machine_file() -> String {
@@ -69,8 +76,20 @@ fn errors(machine: &Machine) -> ErrorFunctions {
     errors
 }
 
-const TEST: &str = "name = \"Loop\"\nmachine = \"machine.toml\"\n\n[ball_bar]\nlength_mm = 100.0\n\n[[mounting]]\nname = \"A\"\n\
-    coincidence_mm = [0.0, 0.0, 0.0]\ntool_ball_mm = [0.0, 0.0, -150.0]\n\n[plan]\nstrategy = \"3d6\"\nfeed_mm_min = 2000.0\nchord_sag_um = 0.1\n";
+fn test_file() -> String {
+    let mut text =
+        "name = \"Loop\"\nmachine = \"machine.toml\"\n\n[ball_bar]\nlength_mm = 100.0\n\n"
+            .to_owned();
+    for (name, ball) in ["A", "B"].iter().zip(BALLS_MM) {
+        write!(
+            text,
+            "[[mounting]]\nname = \"{name}\"\ncoincidence_mm = {ball:?}\ntool_ball_mm = {TOOL_MM:?}\n\n"
+        )
+        .unwrap();
+    }
+    text.push_str("[plan]\nstrategy = \"3d6\"\nfeed_mm_min = 2000.0\nchord_sag_um = 0.1\n");
+    text
+}
 
 fn ballbar(at: &Path, arguments: &[&str]) {
     let output =
@@ -80,13 +99,21 @@ fn ballbar(at: &Path, arguments: &[&str]) {
 }
 
 /// Where LinuxCNC had the motors, every millisecond, the operator's time left out.
-fn driven(at: &Path, program: &str, machine: &Machine, ini: Option<&Path>) -> Recording {
+fn driven(
+    at: &Path,
+    program: &str,
+    ball_mm: [f64; 3],
+    machine: &Machine,
+    ini: Option<&Path>,
+) -> Recording {
     let mut reading = Reading::of(machine);
-    reading.work_offsets_mm.insert(54, Vector3::zeros());
-    // LinuxCNC begins at its zero; a program alone does not say where it begins.
-    let program = program.replacen("(APPROACH)", "G00 X0. Y0. Z0.\n(APPROACH)", 1);
+    reading.work_offsets_mm.insert(54, ball_mm.into());
+    // LinuxCNC begins at its zero; a program alone does not say where it begins, nor where the ball is.
+    let program = program.replacen("(APPROACH)", "G00 G53 X0. Y0. Z0.\n(APPROACH)", 1);
     let read = nc::read(&program, "p.ngc".as_ref(), &reading).unwrap();
-    let rests = rests(&Trajectory::new(&read, machine, 1.0));
+    let trajectory = Trajectory::new(&read, machine, 1.0);
+    let rests = rests(&trajectory);
+    let planned_s: f64 = trajectory.blocks().iter().map(|block| block.duration_s).sum();
     let told_to_wait = program.lines().fold(String::new(), |all, line| {
         if line.contains("M00") {
             format!("{all}M64 P0\n{line}\nM65 P0\n")
@@ -94,6 +121,9 @@ fn driven(at: &Path, program: &str, machine: &Machine, ini: Option<&Path>) -> Re
             format!("{all}{line}\n")
         }
     });
+    let [x, y, z] = ball_mm;
+    let offset = format!("G10 L2 P1 X{x} Y{y} Z{z}\n(APPROACH)");
+    let told_to_wait = told_to_wait.replacen("(APPROACH)", &offset, 1);
     let (file, motion) = (at.join("p.ngc"), at.join("motion.txt"));
     std::fs::write(&file, told_to_wait).unwrap();
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/planner/run");
@@ -106,7 +136,15 @@ fn driven(at: &Path, program: &str, machine: &Machine, ini: Option<&Path>) -> Re
         }
         let output = command.output().unwrap();
         let recording = match std::fs::read_to_string(&motion) {
-            Ok(text) if output.status.success() => Recording::of_motion(&text, &rests),
+            Ok(text) if output.status.success() => {
+                Recording::of_motion(&text, &rests).and_then(|recording| {
+                    // Where its queue runs dry it slows down without standing still.
+                    let took_s = recording.rows.len() as f64 * 1e-3;
+                    println!("{took_s:.1} s of {planned_s:.1} planned");
+                    let as_planned = (took_s / planned_s - 1.0).abs() < SLOWER;
+                    as_planned.then_some(recording).ok_or(format!("it took {took_s} s"))
+                })
+            }
             _ => Err(String::from_utf8_lossy(&output.stderr).into_owned()),
         };
         match recording {
@@ -120,8 +158,13 @@ fn driven(at: &Path, program: &str, machine: &Machine, ini: Option<&Path>) -> Re
 }
 
 /// What the bar reads while the motors go there, on a machine with these errors.
-fn log(recording: &Recording, machine: &Machine, errors: &ErrorFunctions) -> String {
-    let balls = Mounting { coincidence_mm: Vector3::zeros(), tool_ball_mm: TOOL_MM.into() };
+fn log(
+    recording: &Recording,
+    ball_mm: [f64; 3],
+    machine: &Machine,
+    errors: &ErrorFunctions,
+) -> String {
+    let balls = Mounting { coincidence_mm: ball_mm.into(), tool_ball_mm: TOOL_MM.into() };
     let every = (1e3 / RATE_HZ) as usize;
     let mut drawn: u64 = 7;
     let mut uniform = || {
@@ -173,6 +216,36 @@ fn own_errors(at: &Path) -> Vec<(String, f64, [f64; 2])> {
     of.collect()
 }
 
+/// What the bar reads on the arcs, um, without where the ball was put and without the chords of the program.
+fn bar_rms_um(samples: &Path) -> f64 {
+    let text = std::fs::read_to_string(samples).unwrap();
+    let mut lines = text.lines();
+    let head: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let column = |name: &str| head.iter().position(|column| *column == name).unwrap();
+    let [used, x, y, z, read] =
+        ["used", "ball_x_mm", "ball_y_mm", "ball_z_mm", "deviation_um"].map(column);
+    let rows = lines.map(|line| line.split(',').collect::<Vec<_>>()).filter(|row| row[used] == "1");
+    let rows: Vec<(Vector3<f64>, f64)> = rows
+        .map(|row| {
+            let number = |k: usize| row[k].parse::<f64>().unwrap();
+            let u = Vector3::new(number(x), number(y), number(z)).normalize();
+            (u, number(read) + SAG_UM * 2.0 / 3.0)
+        })
+        .collect();
+    assert!(rows.len() > 300, "{}", rows.len());
+    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+    for (u, read) in &rows {
+        normal += u * u.transpose();
+        right += u * *read;
+    }
+    let centre = normal.lu().solve(&right).unwrap();
+    let mut left: Vec<f64> = rows.iter().map(|(u, read)| (read - u.dot(&centre)).abs()).collect();
+    // A reading in the very block in which a slide takes up its lost motion is on the way there: two in a thousand.
+    left.sort_by(f64::total_cmp);
+    left.truncate(rows.len() - rows.len() / 500);
+    (left.iter().map(|um| um * um).sum::<f64>() / left.len() as f64).sqrt()
+}
+
 /// The INI file of the planner with the lines of another one in the sections of its joints.
 fn with_lines(lines: &str) -> String {
     let ini = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/planner/machine.ini");
@@ -188,7 +261,7 @@ fn with_lines(lines: &str) -> String {
 
 #[test]
 #[ignore = "long: `cargo test --release -- --ignored` runs it, and .ci/run does"]
-fn linuxcnc_with_its_tables_leaves_little() {
+fn linuxcnc_with_its_tables_or_a_corrected_program_leaves_little() {
     if !outside::installed("linuxcnc") || !outside::installed("faketime") {
         return;
     }
@@ -197,17 +270,24 @@ fn linuxcnc_with_its_tables_leaves_little() {
     std::fs::write(at.join("machine.toml"), machine_file()).unwrap();
     let machine = Machine::parse(&machine_file(), "machine.toml".as_ref()).unwrap();
     let errors = errors(&machine);
-    std::fs::write(at.join("test.toml"), TEST).unwrap();
+    std::fs::write(at.join("test.toml"), test_file()).unwrap();
     ballbar(at, &["program", "test.toml", "-o", "."]);
-    let program = std::fs::read_to_string(at.join("O1001.ngc"))
-        .or_else(|_| std::fs::read_to_string(at.join("O1001.nc")))
-        .unwrap();
-    std::fs::write(at.join("O1001.nc"), &program).unwrap();
+    let programs = ["O1001.nc", "O1002.nc"];
     let analysed = |name: &str, ini: Option<&Path>| {
-        let recording = driven(at, &program, &machine, ini);
-        std::fs::write(at.join(format!("{name}.csv")), log(&recording, &machine, &errors)).unwrap();
-        let run = format!("\n[[run]]\nprogram = \"O1001.nc\"\nlog = \"{name}.csv\"\n");
-        std::fs::write(at.join(format!("{name}.toml")), format!("{TEST}{run}")).unwrap();
+        let mut test = test_file();
+        for ((program, ball_mm), mounting) in programs.iter().zip(BALLS_MM).zip(["A", "B"]) {
+            let text = std::fs::read_to_string(at.join(program)).unwrap();
+            let recording = driven(at, &text, ball_mm, &machine, ini);
+            let log_name = format!("{name}-{mounting}.csv");
+            std::fs::write(at.join(&log_name), log(&recording, ball_mm, &machine, &errors))
+                .unwrap();
+            write!(
+                test,
+                "\n[[run]]\nrepeat = 1\nmounting = \"{mounting}\"\nprogram = \"{program}\"\nlog = \"{log_name}\"\n"
+            )
+            .unwrap();
+        }
+        std::fs::write(at.join(format!("{name}.toml")), test).unwrap();
         ballbar(at, &["analyse", &format!("{name}.toml"), "-o", name]);
         own_errors(&at.join(name))
     };
@@ -222,9 +302,38 @@ fn linuxcnc_with_its_tables_leaves_little() {
         println!("{name}: {was:+.3} um before, {is:+.3} after, noise {noise:.3}, all {all:.3}");
     }
     for ((name, was, _), (_, is, [noise, all])) in before.iter().zip(&after) {
-        // Scale, bow and S are shared out between slides by what is plausible: no better than by all. Lost motion is seen.
-        let sigma = if name.ends_with('b') { noise } else { all };
-        let bound = (0.03 * was.abs()).max(3.0 * sigma);
+        let bound = (0.03 * was.abs()).max(3.0 * noise);
         assert!(is.abs() < bound, "{name}: {was} before, {is} after, noise {noise}, all {all}");
     }
+
+    ballbar(
+        at,
+        &[
+            "correct",
+            "O1001.nc",
+            "--analysis",
+            "before",
+            "--test",
+            "test.toml",
+            "--mounting",
+            "A",
+            "-o",
+            "corrected",
+        ],
+    );
+    let corrected = "corrected/O1001-corrected.nc";
+    let text = std::fs::read_to_string(at.join(corrected)).unwrap();
+    let recording = driven(at, &text, BALLS_MM[0], &machine, None);
+    std::fs::write(at.join("again.csv"), log(&recording, BALLS_MM[0], &machine, &errors)).unwrap();
+    let run =
+        format!("\n[[run]]\nmounting = \"A\"\nprogram = \"{corrected}\"\nlog = \"again.csv\"\n");
+    std::fs::write(at.join("again.toml"), format!("{}{run}", test_file())).unwrap();
+    ballbar(at, &["analyse", "again.toml", "-o", "again"]);
+    let analysis: Value =
+        serde_json::from_slice(&std::fs::read(at.join("before/analysis.json")).unwrap()).unwrap();
+    let noise = analysis["repeats"][0]["residual_rms_um"].as_f64().unwrap();
+    let [was, is] = ["before/samples-before-A.csv", "again/samples-again.csv"]
+        .map(|samples| bar_rms_um(&at.join(samples)));
+    println!("bar: {was:.2} um before, {is:.4} with the corrected program, noise {noise:.4}");
+    assert!(is < 1.1 * noise, "{was} before, {is} corrected, noise {noise}");
 }

@@ -122,25 +122,16 @@ fn a_compensated_machine_is_measured_again() {
     assert!(campaign.repeats[0].rms_mm < 1.05 * 0.1041e-3, "{}", campaign.repeats[0].rms_mm);
 }
 
-/// Of runs of the machine that LinuxCNC drives, each for itself: only the noise is left, and every scale and lost motion is within 3
-/// of its *all*.
-fn each_run_tells_scale_and_lost_motion(set: &str) {
+/// Of runs of the machine that LinuxCNC drives: only the noise is left of each repeat, every number is within 3 of its *all*, and the
+/// feed is as stated.
+fn each_repeat_tells(set: &str, truth: &[(&str, f64)]) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(set);
     let (_, campaign, diagnosis) =
         judge::diagnosed(&Test::read(&folder.join("test.toml")).unwrap());
     assert!(diagnosis.findings.is_empty(), "{:?}", diagnosis.findings);
     for repeat in &campaign.repeats {
         assert!(repeat.rms_mm < 1.05 * 0.1041e-3, "{}", repeat.rms_mm);
-        // X and Y carry the workpiece: half of 5, 8 and 6 um lost; and 90e-6, -70e-6 and 110e-6 of scale over 100 mm, with the
-        // 0.6 of S that is straight.
-        for (name, truth_mm) in [
-            ("TXXb", 2.5e-3),
-            ("TYYb", 4e-3),
-            ("TZZb", -3e-3),
-            ("TXX1", -10.2e-3),
-            ("TYY1", 8.8e-3),
-            ("TZZ1", 12.5e-3),
-        ] {
+        for (name, truth_mm) in truth {
             let estimate = repeat.estimate(name).unwrap();
             let off_mm = estimate.value - truth_mm;
             assert!(off_mm.abs() < 3.0 * estimate.all.unwrap(), "{name}: {estimate:?}");
@@ -152,16 +143,49 @@ fn each_run_tells_scale_and_lost_motion(set: &str) {
     }
 }
 
+/// X and Y carry the workpiece: half of 5, 8 and 6 um lost; and over 100 mm 90e-6, -70e-6 and 110e-6 of scale, with the 0.6 of S
+/// that is straight.
+const OVER_100_MM: [(&str, f64); 6] = [
+    ("TXXb", 2.5e-3),
+    ("TYYb", 4e-3),
+    ("TZZb", -3e-3),
+    ("TXX1", -10.2e-3),
+    ("TYY1", 8.8e-3),
+    ("TZZ1", 12.5e-3),
+];
+
 /// Chords of 8 ms that the control rounds out tell nothing of times that are known to 15 ms, whenever readings were taken.
 #[test]
 fn chords_that_readings_do_not_tell_are_not_read() {
-    each_run_tells_scale_and_lost_motion("fine_chords");
+    each_repeat_tells("fine_chords", &OVER_100_MM);
+}
+
+/// Of `a x + b x² + c x³` over 150 mm either side of 50: `150 a + 15000 b + 3.15e6 c`, `15000 b + 2.25e6 c` and `1.35e6 c`.
+#[test]
+fn what_another_acceleration_makes_late_tells_no_time() {
+    each_repeat_tells(
+        "two_places",
+        &[
+            ("TXXb", 2.5e-3),
+            ("TYYb", 4e-3),
+            ("TZZb", -3e-3),
+            ("TXX1", -24.3e-3),
+            ("TXX2", -9e-3),
+            ("TXX3", -2.7e-3),
+            ("TYY1", 13.95e-3),
+            ("TYY2", 0.75e-3),
+            ("TYY3", 4.05e-3),
+            ("TZZ1", 16.875e-3),
+            ("TZZ2", -1.875e-3),
+            ("TZZ3", 3.375e-3),
+        ],
+    );
 }
 
 /// Where a corrected program steps back what the machine loses nothing is read, and so no time is told there.
 #[test]
 fn what_cancels_where_slides_turn_tells_no_time() {
-    each_run_tells_scale_and_lost_motion("corrected_loop");
+    each_repeat_tells("corrected_loop", &OVER_100_MM);
 }
 
 #[test]
