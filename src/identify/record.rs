@@ -50,10 +50,10 @@ impl Apart {
         }
     }
 
-    /// What is kept from a moment at which something turns, steps or ends, s: three standard deviations of the time of a sample and by
-    /// how much that moment itself may be elsewhere, and `guard_s` at the least.
+    /// What is kept from a moment at which something turns, steps or ends, s: three standard deviations of the time of a sample, by how
+    /// much that moment itself may be elsewhere, or `guard_s`, whichever is most.
     pub(super) fn kept_s(sample: &Sample, guard_s: f64, elsewhere_s: f64) -> f64 {
-        guard_s.max(3.0 * sample.time_sigma_s + elsewhere_s)
+        guard_s.max(3.0 * sample.time_sigma_s).max(elsewhere_s)
     }
 
     /// Why a sample takes no part: only one on an arc does, where the sense of every axis is known, that is,
