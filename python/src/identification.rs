@@ -86,7 +86,8 @@ impl Identification {
         matrix(py, &self.result().correlation)
     }
 
-    /// What one plausible standard deviation of each fault (column) does to the estimates, shape (p, faults).
+    /// What one plausible standard deviation of each fault (column) does to the estimates, then what each effect that nobody has
+    /// explained has moved them by; shape (p, faults).
     #[getter]
     fn left_open<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         self.result().left_open.as_ref().map(|of| matrix(py, of)).transpose()

@@ -74,6 +74,8 @@ pub enum Suspect {
     Fault(ParameterId),
     /// The control drives otherwise than planned.
     Control,
+    /// An effect that nobody has explained has a part in it.
+    Unexplained,
 }
 
 /// Faults that make less than this share of what is left open are not told.
@@ -98,6 +100,8 @@ pub struct Known<'a> {
     pub covariance: &'a Matrix,
     /// See [`Identification::left_open`](super::Identification::left_open).
     pub left_open: Option<&'a Matrix>,
+    /// See [`Identification::unexplained`](super::Identification::unexplained).
+    pub unexplained: usize,
     /// See [`Identification::effects`](super::Identification::effects).
     pub effects: Option<&'a Matrix>,
 }
@@ -163,8 +167,12 @@ fn answer(asked: Asked, row: &Row, model: &Model, of: &Known) -> Answer {
     let before = each.map(|(weight, parameter)| weight * parameter.plausible.unwrap_or(0.0));
     let plausible = open.is_some().then(|| before.map(|b| b * b).sum::<f64>().sqrt());
     let suspect = |&(k, _): &(usize, f64)| {
-        let fault = model.parameters().get(k).map(|parameter| Suspect::Fault(parameter.id));
-        fault.unwrap_or(Suspect::Control)
+        let explained = of.left_open.map_or(0, Matrix::columns) - of.unexplained;
+        match model.parameters().get(k) {
+            Some(parameter) => Suspect::Fault(parameter.id),
+            None if k < explained => Suspect::Control,
+            None => Suspect::Unexplained,
+        }
     };
     let alike = alike.iter().map(suspect).collect();
     let in_common = of.effects.map(|effects| effects.transposed().times_vector(weights));

@@ -34,6 +34,12 @@ pub fn foresee(
     let left_open = fit.known(&solution).left_open;
     let values = vec![0.0; fit.columns.coefficients];
     let left_open = left_open.as_ref();
-    let known = Known { values: &values, covariance: &covariance, left_open, effects: None };
+    let known = Known {
+        values: &values,
+        covariance: &covariance,
+        left_open,
+        unexplained: 0,
+        effects: None,
+    };
     Ok(answers(&model, &frame, &known))
 }

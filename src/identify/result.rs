@@ -85,8 +85,11 @@ pub struct Identification {
     /// Covariance of the estimates by the noise.
     pub covariance: Matrix,
     /// How much each estimate (row) errs where a fault (column) is one plausible standard deviation: first the
-    /// parameters in their order, then how the control may have driven; `None` where nothing was taken for plausible.
+    /// parameters in their order, then how the control may have driven, then effects that nobody has explained; `None` where
+    /// nothing was taken for plausible.
     pub left_open: Option<Matrix>,
+    /// How many effects that nobody has explained are among these.
+    pub unexplained: usize,
     /// What a standard deviation of each independent combination of the numbers of effects (column) does to the
     /// estimates (row): a part of `covariance` that all repeats have in common; `None` where there are no effects.
     pub effects: Option<Matrix>,
@@ -130,6 +133,7 @@ impl Identification {
             values,
             covariance: &self.covariance,
             left_open: self.left_open.as_ref(),
+            unexplained: self.unexplained,
             effects: self.effects.as_ref(),
         }
     }

@@ -83,6 +83,7 @@ impl Fit<'_> {
             correlation,
             covariance,
             left_open,
+            unexplained: 0,
             effects: None,
             rank: known.rank,
             counts_mm,

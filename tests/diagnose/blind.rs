@@ -134,6 +134,10 @@ fn of_curves_that_do_the_same_the_simpler_is_told_and_the_other_beside_it() {
     let [only] = outcome.judgement.found.as_slice() else { panic!("{outcome:?}") };
     assert!(only.text.contains("over velocity of Y"), "{}", only.text);
     assert!(only.text.contains("over position of X, by direction)"), "{}", only.text);
+    // It grows like the root of the speed: of its part that looks like a lateral play nobody knows whose it is.
+    for off in &outcome.off_by {
+        assert!(off.alls.abs() < 3.0, "{off:?}");
+    }
 }
 
 /// A ball that moves by 13 um in one run is laid to that run's feed, farther with every step: held to the feed that the bar's

@@ -154,6 +154,7 @@ pub(in crate::report) fn looks_like(answer: &Answer) -> Vec<String> {
     let words = suspects.map(|suspect| match suspect {
         Suspect::Fault(of) => fault(*of),
         Suspect::Control => "a control that drives otherwise than planned".to_owned(),
+        Suspect::Unexplained => "a part of the effect that is not explained".to_owned(),
     });
     let mut words: Vec<String> = words.collect();
     words.dedup();
