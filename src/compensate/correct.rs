@@ -63,8 +63,8 @@ struct Corrector<'a> {
 
 /// Parts of a line without effects of short waves, and with them, mm.
 const LONGEST_MM: [f64; 2] = [20.0, 0.5];
-/// More moves no program is followed over.
-const MOST_POINTS: usize = 1_000_000;
+/// More moves no program is followed over: a million, and the ways to and from them.
+const MOST_POINTS: usize = 1_100_000;
 
 /// Corrects a program.
 ///
@@ -114,18 +114,7 @@ pub fn correct(program: &Rewriting, field: &Field, correcting: &Correcting) -> R
             continue;
         };
         let parts = corrector.parts(&of.motion);
-        if driven.len() + parts.len() > MOST_POINTS || (parts.len() > 1 && of.stops_between()) {
-            let what = if of.stops_between() {
-                "the control would stop at each of the parts that this move is divided into: G61 is in force"
-            } else {
-                "the corrected program would have more than a million moves"
-            };
-            return Err(program.refused(
-                of,
-                what.into(),
-                "write G64 before it, or correct with a larger tolerance",
-            ));
-        }
+        refuse_parts(program, of, &parts, driven.len())?;
         let from = corrector.at_mm;
         let reference_mm = corrector.error_mm(&zero_mm, &Vector3::zeros());
         let mut points = Vec::with_capacity(parts.len());
@@ -173,6 +162,26 @@ pub fn correct(program: &Rewriting, field: &Field, correcting: &Correcting) -> R
     drop(lines);
     program.verify(&told.text, &driven)?;
     Ok(told)
+}
+
+/// Refuses a move whose parts the control would stop at, or that are too many after so many before.
+fn refuse_parts(
+    program: &Rewriting,
+    of: &Driven,
+    parts: &[Vector3<f64>],
+    before: usize,
+) -> Result<()> {
+    if parts.len() > 1 && of.stops_between() {
+        let what = "the control would stop at each of the parts that this move is divided into: G61 is in force";
+        let hint = "write G64 before it, or correct with a larger tolerance";
+        return Err(program.refused(of, what.into(), hint));
+    }
+    if before + parts.len() > MOST_POINTS {
+        let what = format!("the corrected program would have more than {MOST_POINTS} moves");
+        let hint = "divide the program, or correct with a larger tolerance";
+        return Err(program.refused(of, what, hint));
+    }
+    Ok(())
 }
 
 /// A correction beyond the limit, or beyond the travel, is no correction.

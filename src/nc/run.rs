@@ -15,9 +15,9 @@ use crate::error::Result;
 
 /// A program that runs more blocks than this repeats itself without bound.
 pub(crate) const MOST_BLOCKS: usize = 20_000_000;
-/// More steps than this are kept of no program: at a thousand a second a quarter of an hour. With their times they take
-/// less than 1 GB.
-const MOST_STEPS: usize = 1_000_000;
+/// More steps than this are kept of no program, a million and the ways to and from them: at a thousand a second a quarter of an
+/// hour. With their times they take less than 1 GB.
+const MOST_STEPS: usize = 1_100_000;
 
 /// So often a program may interrupt its motion, or go wrong and be followed further; one of a test has some hundred stops.
 const MOST_MARKS: usize = 100_000;
@@ -171,7 +171,7 @@ impl Runner<'_> {
                     format!("the program runs more than {most_blocks} blocks")
                 };
                 let fault = Fault::line(what)
-                    .hint("look for a subprogram that is repeated too often: L of M98");
+                    .hint("look for a subprogram that is repeated too often: L of M98; or divide the program");
                 return refuse(listing.locate(block.line, fault));
             }
             let next = match self.block(block) {
