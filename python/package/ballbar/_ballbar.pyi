@@ -349,8 +349,8 @@ class Identification:
 
     @property
     def left_open(self) -> _Array | None:
-        """What one plausible standard deviation of each fault (column) does to the estimates, then what each effect
-        that nobody has explained has moved them by; shape (p, faults)."""
+        """What one plausible standard deviation of each fault (column) does to the estimates, then what each effect that nobody has
+        explained has moved them by; shape (p, faults)."""
 
     @property
     def rank(self) -> int: ...
