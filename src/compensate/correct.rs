@@ -64,7 +64,7 @@ struct Corrector<'a> {
 /// Parts of a line without effects of short waves, and with them, mm.
 const LONGEST_MM: [f64; 2] = [20.0, 0.5];
 /// More moves no program is followed over: a million, and the ways to and from them.
-const MOST_POINTS: usize = 1_100_000;
+const MOST_POINTS: usize = 1_040_000;
 
 /// Corrects a program.
 ///
