@@ -44,7 +44,8 @@ impl Fit<'_> {
     /// Fits again with every doubtful leg where else it could lie, and keeps what fits better.
     fn try_elsewhere(&mut self, mut best: Outcome) -> Outcome {
         for index in 0..self.runs.len() {
-            let doubts = facets::doubts(self.model, &self.state.values, &self.runs[index]);
+            let (values, apart) = (&self.state.values, &self.state.apart[index]);
+            let doubts = facets::doubts(self.model, values, &self.runs[index], apart);
             for doubt in doubts {
                 for shift_s in doubt.shifts_s.into_iter().take(MOST_PLACES) {
                     let kept = self.kept();

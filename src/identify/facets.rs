@@ -1,6 +1,7 @@
 //! Where chords and reversals of the program put a leg whose time is known coarsely.
 
 use super::input::RunInput;
+use super::record::Apart;
 use super::timing::{Detail, SMOOTH_S, TURNING_S, stride, view};
 use crate::align::{MarkKind, Part, Sample, TimeMap};
 use crate::machine::Pose;
@@ -134,31 +135,45 @@ pub(super) struct Doubt {
     pub(super) shifts_s: Vec<f64>,
 }
 
-/// Legs without a ramp that fit worse than the others do, now that the coefficients are known.
+/// Legs without a ramp whose chords were found and that fit worse than the others do, now that the coefficients are known, by the
+/// samples that take part: why the others do not is told. A leg that counts by its mean lies on no chord.
 ///
 /// The coefficients have adapted to a wrong leg as well as they could, so a better place need not look
 /// better before they are fitted again: the caller tries each.
-pub(super) fn doubts(model: &Model, values: &[f64], run: &RunInput) -> Vec<Doubt> {
+pub(super) fn doubts(
+    model: &Model,
+    values: &[f64],
+    run: &RunInput,
+    apart: &[Option<Apart>],
+) -> Vec<Doubt> {
     let stride = stride(run.samples().len());
+    let of_leg = |leg: usize| {
+        let taken = run.samples().iter().zip(apart).step_by(stride);
+        taken
+            .filter(move |(sample, apart)| sample.leg == leg && apart.is_none())
+            .map(|taken| taken.0)
+    };
+    let left_mm2 = |leg: usize| {
+        let left_mm2 = of_leg(leg)
+            .map(|sample| view(model, values, run, sample, Detail::Full).residual_mm.powi(2));
+        left_mm2.sum::<f64>() / of_leg(leg).count().max(1) as f64
+    };
     let misfit = |leg: usize, shift_s: f64| {
-        let of_leg = run.samples().iter().step_by(stride);
-        let of_leg = of_leg.filter(|s| s.leg == leg && matches!(s.part, Part::Arc(_)));
-        let (mut sum, mut count) = (0.0, 0.0_f64);
-        for sample in of_leg {
+        let misfits = of_leg(leg).map(|sample| {
             let state = run.alignment.trajectory.at(sample.program_s + shift_s);
             let pose = Pose { position_mm: state.position_mm, sense: state.sense };
             let length_mm = model.length_mm(values, &pose, &sample.motion, run.mounting);
-            sum += (sample.deviation_mm - (length_mm - run.nominal_mm)).powi(2);
-            count += 1.0;
-        }
-        sum / count.max(1.0)
+            (sample.deviation_mm - (length_mm - run.nominal_mm)).powi(2)
+        });
+        misfits.sum::<f64>()
     };
     let map = &run.alignment.time_map;
-    let legs = run.alignment.legs();
-    let found: Vec<f64> = legs.iter().map(|&leg| misfit(leg, 0.0)).collect();
+    let mut legs = run.alignment.legs();
+    legs.retain(|leg| map.chords[*leg].blur_s <= 0.0);
+    let found: Vec<f64> = legs.iter().map(|&leg| left_mm2(leg)).collect();
     let mut sorted = found.clone();
     sorted.sort_by(f64::total_cmp);
-    let usual = sorted[sorted.len() / 2];
+    let Some(usual) = sorted.get(sorted.len() / 2) else { return Vec::new() };
     // A ramp tells the time of its leg.
     let coarse = |leg: usize| {
         let marks = &mut run.alignment.marks.iter();
