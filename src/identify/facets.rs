@@ -192,8 +192,13 @@ pub(super) fn doubts(
                 .map(|k| f64::from(k) * step_s)
                 .map(|shift_s| (shift_s, misfit(leg, shift_s)))
                 .collect();
+            let lowest_near = |peak: &(f64, f64)| {
+                let near = curve.iter().filter(|one| (one.0 - peak.0).abs() < 2.0 * catch_s);
+                near.fold(f64::INFINITY, |lowest, one| lowest.min(one.1)) >= peak.1
+            };
             let mut elsewhere = peaks(&curve);
-            elsewhere.retain(|peak| peak.0.abs() > catch_s);
+            // Places of a leg are a chord apart: what lies nearer to a lower one is noise.
+            elsewhere.retain(|peak| peak.0.abs() > catch_s && lowest_near(peak));
             elsewhere.sort_by(|a, b| a.1.total_cmp(&b.1));
             Doubt { leg, shifts_s: elsewhere.iter().map(|peak| peak.0).collect() }
         })

@@ -29,7 +29,7 @@ const LATELY: usize = 5;
 const DOWNHILL_AFTER: usize = MOST_STEPS / 2;
 /// And after so many where the fit has come to rest before and only counts its readings otherwise: it is in the right valley.
 const DOWNHILL_AGAIN_AFTER: usize = LATELY;
-/// A place that is tried is given up where the linear problem leaves this much more there than it should.
+/// A place that is tried is given up where the linear problem leaves this much more there than it should while its readings are chosen.
 const HOPELESS: f64 = 1.05;
 /// And then a fit is at rest whose sum of squares the last steps together lowered by less than this, in units of the noise:
 /// what the noise moves a single parameter by.
@@ -82,6 +82,7 @@ impl Fit<'_> {
         let mut stuck = false;
         let mut before: Option<Unknowns> = None;
         let mut misfits: Vec<f64> = Vec::new();
+        let mut last_scatter = f64::INFINITY;
         let mut chosen_s = Vec::new();
         // So far the times may move before samples are chosen anew.
         let mut held_s = detail.guard_s();
@@ -150,7 +151,12 @@ impl Fit<'_> {
             let change = rows.change(&step);
             // Rows are in units of the assumed noise: their rms corrects it.
             let scatter = self.state.correlated * solution.shared().residual_norm() / count.sqrt();
-            if steps > FINDING_STEPS && self.state.sigma_mm * scatter > HOPELESS * most_mm {
+            // What is left falls ever more slowly: what so many steps like the last would not do, none will.
+            let gain = last_scatter - scatter;
+            let coming =
+                if choosing { scatter / HOPELESS } else { scatter - LATELY as f64 * gain.max(0.0) };
+            last_scatter = scatter;
+            if steps > FINDING_STEPS && self.state.sigma_mm * coming > most_mm {
                 return Err(Error::new(Kind::Undetermined, "more is left than elsewhere"));
             }
             let before_lately = misfits.len().checked_sub(LATELY).map(|k| misfits[k]);
