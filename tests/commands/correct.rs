@@ -1,13 +1,14 @@
 //! `correct`: a program that makes the machine go where it was meant to; what it keeps, and what it refuses.
 
 use ballbar::compensate::{Analysed, Field};
-use ballbar::machine::{Machine, Pose};
+use ballbar::machine::{Builtin, Machine, Mounting, Pose};
 use ballbar::model::{Coefficient, ErrorFunctions};
 use ballbar::nc::{self, Action, Reading};
+use ballbar::plan::Test;
 use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
 
-use crate::volume::{HU40T, VERTICAL, analysed, drawn_errors, repeated};
+use crate::volume::{HU40T, VERTICAL, analysed, ball_vector_mm, drawn_errors, repeated, rested};
 use crate::work::Work;
 
 /// Sagitta of the chords of the program, um: on the average they lie two thirds of it within the sphere, which no correction changes.
@@ -46,6 +47,68 @@ fn bar_rms_um(work: &Work, samples: &str) -> f64 {
     (left.iter().map(|um| um * um).sum::<f64>() / left.len() as f64).sqrt()
 }
 
+/// The whole vector of an error, um rms, where the blocks of the program end on the sphere, before it is corrected and after; without
+/// the best rigid motion, which no length shows. The error is where the tool ball touches the workpiece, or of the tool ball from
+/// the ball on the workpiece: what turns the workpiece about its ball is in that of neither, and in no length.
+fn over_the_sphere_um(work: &Work, name: &str, errors: &ErrorFunctions, touching: bool) -> f64 {
+    let machine = Builtin::named(name).unwrap().machine().unwrap();
+    let test = Test::read(&work.path("base/test.toml")).unwrap();
+    let balls = test.mountings()[0].mounting;
+    let [meant, sent] = ["base/O1001.nc", "corrected/O1001-corrected.nc"]
+        .map(|file| poses(&ends(work, file, balls.coincidence_mm)));
+    let error_mm = |pose: &Pose| {
+        let touched = Mounting { coincidence_mm: pose.position_mm, ..balls };
+        let of = if touching { touched } else { balls };
+        ball_vector_mm(&machine, errors, &of, pose) - (pose.position_mm - of.coincidence_mm)
+    };
+    let (mut places, mut before, mut after) = (Vec::new(), Vec::new(), Vec::new());
+    let mut k = 0;
+    for pose in meant {
+        let from_ball_mm = pose.position_mm - balls.coincidence_mm;
+        if (from_ball_mm.norm() - 100.0).abs() > 1e-3 {
+            continue;
+        }
+        // A block ends near where it was meant to, after the block before it.
+        let apart_mm = |k: usize| (sent[k].position_mm - pose.position_mm).norm();
+        while apart_mm(k) > 0.08 {
+            k += 1;
+        }
+        while k + 1 < sent.len() && apart_mm(k + 1) < apart_mm(k) {
+            k += 1;
+        }
+        places.push(from_ball_mm);
+        before.push(error_mm(&pose));
+        after.push(sent[k].position_mm + error_mm(&sent[k]) - pose.position_mm);
+    }
+    assert!(places.len() > 1000, "{}", places.len());
+    let [before, after] = [before, after].map(|mut errors| {
+        rested(&places, &mut errors);
+        1e3 * (errors.iter().map(Vector3::norm_squared).sum::<f64>() / errors.len() as f64).sqrt()
+    });
+    let of = if touching { "where the tool touches" } else { "between the balls" };
+    println!(
+        "{name}: vector {of} {before:.2} um before, {after:.3} after, {:.1} %",
+        100.0 * after / before
+    );
+    after / before
+}
+
+/// The program of the first place, corrected by the analysis of the test.
+fn corrected(work: &Work) -> Value {
+    let arguments = [
+        "correct",
+        "base/O1001.nc",
+        "--analysis",
+        "base",
+        "--test",
+        "base/test.toml",
+        "-o",
+        "corrected",
+        "--json",
+    ];
+    serde_json::from_str(&work.plain(&arguments).done().stdout()).unwrap()
+}
+
 #[test]
 fn a_corrected_ball_bar_program_leaves_the_noise() {
     for (name, rest, seed) in [("vertical", VERTICAL, 12), ("hu40t", HU40T, 11)] {
@@ -65,21 +128,7 @@ fn a_corrected_ball_bar_program_leaves_the_noise() {
             serde_json::from_slice(&std::fs::read(work.path("base/analysis.json")).unwrap())
                 .unwrap();
         let noise = analysis["repeats"][0]["residual_rms_um"].as_f64().unwrap();
-        let told = work
-            .plain(&[
-                "correct",
-                "base/O1001.nc",
-                "--analysis",
-                "base",
-                "--test",
-                "base/test.toml",
-                "-o",
-                "corrected",
-                "--json",
-            ])
-            .done()
-            .stdout();
-        let told: Value = serde_json::from_str(&told).unwrap();
+        let told = corrected(&work);
         let head = std::fs::read_to_string(work.path("test.toml")).unwrap();
         let head = head.split("[plan]").next().unwrap().to_owned();
         work.write(
@@ -103,9 +152,38 @@ fn a_corrected_ball_bar_program_leaves_the_noise() {
         let after = bar_rms_um(&work, "after/samples-run1.csv");
         println!("{name}: bar {before:.2} um before, {after:.4} after, noise {noise:.4}; {told}");
         assert!(before > 3.0 && after < 1.1 * noise, "{name}: {before} {after} {noise}");
+        assert!(over_the_sphere_um(&work, name, &errors, false) < 0.1);
+        // What is left where it touches are turns of the workpiece about its ball.
+        let _ = over_the_sphere_um(&work, name, &errors, true);
     }
 }
 
+#[test]
+fn about_three_places_a_corrected_program_goes_where_it_was_meant_to_all_over_the_sphere() {
+    let places = [
+        ("vertical", VERTICAL, 12, ["-60.0, -40.0, -200.0", "100.0, -80.0, -330.0"]),
+        ("hu40t", HU40T, 11, ["-100.0, 60.0, 160.0", "100.0, 80.0, -30.0"]),
+    ];
+    for (name, rest, seed, [second, third]) in places {
+        let (first, plan) = rest.split_once("[plan]").unwrap();
+        let tool = first.lines().find(|line| line.starts_with("tool_ball_mm")).unwrap();
+        let place = |named: &str, at: &str, offset: u32| {
+            format!(
+                "[[mounting]]\nname = \"{named}\"\ncoincidence_mm = [{at}]\n{tool}\nwork_offset = \"G{offset}\"\n\n"
+            )
+        };
+        let rest =
+            [first, &place("B", second, 55), &place("C", third, 56), "[plan]", plan].concat();
+        let errors = drawn_errors(name, seed);
+        let work = analysed(name, &errors, &rest);
+        let told = corrected(&work);
+        println!("{name}: {told}");
+        assert!(over_the_sphere_um(&work, name, &errors, true) < 0.1);
+    }
+}
+
+/// Where the part's zero is.
+const ZERO_MM: Vector3<f64> = Vector3::new(120.0, 60.0, -260.0);
 const PART: &str = "%\nO0007 (PART)\nG21 G17 G90 G94 G40 G49 G80\nG54 G64\nG00 G53 Z100.\nG00 X0. Y0.\nG00 Z20. M03 S500\n\
     N10 G01 Z0. F300. (IN)\nG02 X40. Y0. I20. J0. F600.\nG03 X60. R10.\nG91 G01 X-10. Y5.\nG90\n/G01 X10. M08\nG20 G01 X0.2 Y1. F20.\nG21\n\
     G00 Z20.\nG00 G53 Z100.\nM30\n%\n";
@@ -126,17 +204,34 @@ fn part(program: &str) -> (Work, Vec<String>) {
     (work, arguments.map(str::to_owned).to_vec())
 }
 
-/// Ends of the moves that a program makes, machine coordinates, by the first words of their lines.
-fn ends(work: &Work, file: &str) -> Vec<(Vector3<f64>, usize)> {
+/// Ends of the moves that a program makes with its zero there, machine coordinates, with their lines.
+fn ends(work: &Work, file: &str, zero_mm: Vector3<f64>) -> Vec<(Vector3<f64>, usize)> {
     let machine = Machine::read(&work.path("machine.toml")).unwrap();
     let mut reading = Reading::of(&machine);
-    reading.work_offsets_mm.insert(54, Vector3::new(120.0, 60.0, -260.0));
+    reading.work_offsets_mm.insert(54, zero_mm);
     let program = nc::read_file(&work.path(file), &reading).unwrap();
     let moves = program.steps.iter().filter_map(|step| match step.action {
         Action::Move(motion) => Some((motion.end_mm, step.line)),
         _ => None,
     });
     moves.collect()
+}
+
+/// The same with the sense in which each slide came last.
+fn poses(moves: &[(Vector3<f64>, usize)]) -> Vec<Pose> {
+    let mut sense = Vector3::zeros();
+    let mut at = moves[0].0;
+    let each = moves.iter().map(|&(position_mm, _)| {
+        for k in 0..3 {
+            let way: f64 = position_mm[k] - at[k];
+            if way.abs() > 1e-7 {
+                sense[k] = way.signum();
+            }
+        }
+        at = position_mm;
+        Pose { position_mm, sense }
+    });
+    each.collect()
 }
 
 #[test]
@@ -164,24 +259,13 @@ fn a_part_keeps_its_words_and_comes_nearer_to_what_was_meant() {
     // By the analysis: what it cannot see, such as a rigid motion, stays.
     let read = Analysed::read(&work.path("base/analysis.json"), None).unwrap();
     let field = Field::new(&read.errors, Vector3::new(0.0, 0.0, -150.0)).unwrap();
-    let zero = Pose { position_mm: Vector3::new(120.0, 60.0, -260.0), sense: Vector3::zeros() };
+    let zero = Pose { position_mm: ZERO_MM, sense: Vector3::zeros() };
     let of_zero = field.error_mm(&zero);
     let actual = |moves: &[(Vector3<f64>, usize)]| -> Vec<Vector3<f64>> {
-        let mut sense = Vector3::zeros();
-        let mut at = moves[0].0;
-        let each = moves.iter().map(|(to, _)| {
-            for k in 0..3 {
-                let way: f64 = to[k] - at[k];
-                if way.abs() > 1e-7 {
-                    sense[k] = way.signum();
-                }
-            }
-            at = *to;
-            to + field.error_mm(&Pose { position_mm: *to, sense }) - of_zero
-        });
-        each.collect()
+        poses(moves).iter().map(|pose| pose.position_mm + field.error_mm(pose) - of_zero).collect()
     };
-    let (meant, sent) = (ends(&work, "part.nc"), ends(&work, "corrected/part-corrected.nc"));
+    let (meant, sent) =
+        (ends(&work, "part.nc", ZERO_MM), ends(&work, "corrected/part-corrected.nc", ZERO_MM));
     assert!(sent.len() > meant.len() + 20, "{}", sent.len());
     let (before, after) = (actual(&meant), actual(&sent));
     let (mut square_before, mut square_after) = (0.0, 0.0);

@@ -53,7 +53,19 @@ pub(crate) fn drawn_errors(machine: &str, seed: u64) -> ErrorFunctions {
     errors
 }
 
-/// Displacement of the tool against the workpiece through the exact chain, mm.
+/// From the workpiece ball to the tool ball through the exact chain, mm.
+pub(crate) fn ball_vector_mm(
+    machine: &Machine,
+    errors: &ErrorFunctions,
+    mounting: &Mounting,
+    pose: &Pose,
+) -> Vector3<f64> {
+    let slides = Axis::ALL.map(|axis| errors.slide_error(axis, pose));
+    let chain = ChainErrors { slides, ..ChainErrors::zero() };
+    machine.ball_vector_mm(mounting, &pose.position_mm, &chain)
+}
+
+/// Displacement of the tool against the workpiece where it touches it, mm.
 pub(crate) fn true_mm(
     machine: &Machine,
     errors: &ErrorFunctions,
@@ -61,9 +73,7 @@ pub(crate) fn true_mm(
     pose: &Pose,
 ) -> Vector3<f64> {
     let touching = Mounting { coincidence_mm: pose.position_mm, tool_ball_mm: tool_mm };
-    let slides = Axis::ALL.map(|axis| errors.slide_error(axis, pose));
-    let chain = ChainErrors { slides, ..ChainErrors::zero() };
-    machine.ball_vector_mm(&touching, &pose.position_mm, &chain)
+    ball_vector_mm(machine, errors, &touching, pose)
 }
 
 /// A test of a built-in machine, run on one with these errors and analysed.
