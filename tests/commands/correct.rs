@@ -8,7 +8,9 @@ use ballbar::plan::Test;
 use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
 
-use crate::volume::{HU40T, VERTICAL, analysed, ball_vector_mm, drawn_errors, repeated, rested};
+use crate::volume::{
+    HU40T, VERTICAL, analysed, ball_vector_mm, drawn_errors, identified, repeated, rested,
+};
 use crate::work::Work;
 
 /// Sagitta of the chords of the program, um: on the average they lie two thirds of it within the sphere, which no correction changes.
@@ -175,7 +177,7 @@ fn about_three_places_a_corrected_program_goes_where_it_was_meant_to_all_over_th
         let rest =
             [first, &place("B", second, 55), &place("C", third, 56), "[plan]", plan].concat();
         let errors = drawn_errors(name, seed);
-        let work = analysed(name, &errors, &rest);
+        let work = identified(name, &errors, &rest);
         let told = corrected(&work);
         println!("{name}: {told}");
         assert!(over_the_sphere_um(&work, name, &errors, true) < 0.1);

@@ -81,8 +81,22 @@ pub(crate) fn analysed(machine: &str, errors: &ErrorFunctions, rest: &str) -> Wo
     repeated(machine, errors, rest, "1")
 }
 
+/// The same, identified only.
+pub(crate) fn identified(machine: &str, errors: &ErrorFunctions, rest: &str) -> Work {
+    let work = simulated(machine, errors, rest, "1");
+    work.plain(&["identify", "base/test.toml", "-o", "base", "--overwrite"]).done();
+    work
+}
+
 /// The same, driven so often.
 pub(crate) fn repeated(machine: &str, errors: &ErrorFunctions, rest: &str, repeats: &str) -> Work {
+    let work = simulated(machine, errors, rest, repeats);
+    work.plain(&["analyse", "base/test.toml", "-o", "base", "--overwrite"]).done();
+    work
+}
+
+/// The logs of it.
+fn simulated(machine: &str, errors: &ErrorFunctions, rest: &str, repeats: &str) -> Work {
     let work = Work::new();
     let file = project().join(format!("machines/{machine}.toml"));
     let mut scenario =
@@ -111,7 +125,6 @@ pub(crate) fn repeated(machine: &str, errors: &ErrorFunctions, rest: &str, repea
         repeats,
     ];
     work.plain(&simulate).done();
-    work.plain(&["analyse", "base/test.toml", "-o", "base", "--overwrite"]).done();
     work
 }
 
