@@ -74,7 +74,7 @@ pub fn by_angle(run: &Run, log: &ByAngle) -> Result<Alignment> {
                     turns.len(),
                     ways.len()
                 ),
-                "take the program that ran, with the arcs of this log alone; `plane` under `[log]` in the test file says the plane",
+                "take the program that ran, with the arcs of this log alone; under `[log]` in the test file `plane` says the plane, and `clockwise_order` how the clockwise readings of a table stand",
             ));
         }
         for (turn, arc) in turns.into_iter().zip(ways) {
@@ -84,7 +84,14 @@ pub fn by_angle(run: &Run, log: &ByAngle) -> Result<Alignment> {
                         "the arc of the program has {:.0} degrees, and the readings do not fit into it",
                         arc.sweep_rad().to_degrees()
                     ),
-                    "take the program that ran; `data_arc_deg` under `[log]` in the test file says how many degrees the readings stand on",
+                    match turn.angles {
+                        Angles::Even(_) => {
+                            "take the program that ran; `data_arc_deg` under `[log]` in the test file says how many degrees the readings stand on"
+                        }
+                        Angles::Stated(_) => {
+                            "take the program that ran; where clockwise readings stand by rising angle, write `clockwise_order = \"rising\"` under `[log]` in the test file"
+                        }
+                    },
                 )
             })?;
             let mark = arc.mark(&times_s);

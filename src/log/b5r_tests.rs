@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::*;
 use crate::error::{Error, Result};
+use crate::plan::log_format::ClockwiseOrder;
 
 /// What a file has of a run: readings in mm, evenly over an arc.
 fn readings(arc_deg: f64) -> Vec<f64> {
@@ -267,4 +268,52 @@ fn a_table_of_angles() {
             .is_some_and(|hint| hint.contains("`plane = \"xy\"`"))
     );
     assert!(with("angle_deg,deviation_um\n1,1\n1,1\n", &format(Some([0, 1]))).is_err());
+}
+
+/// Two circles both ways or a part of one, as they were driven and as a plot lists them.
+#[test]
+fn a_table_by_rising_angle_is_the_one_that_was_driven() {
+    let format = |order| Format {
+        time: TimeColumn::Angle { name: "angle_deg".to_owned() },
+        plane: Some([0, 1]),
+        clockwise: order,
+        ..Format::default()
+    };
+    for (first, step, count, closed) in [
+        (0, 9, 40, false),
+        (0, 9, 41, true),
+        (350, 9, 40, false),
+        (340, 5, 45, false),
+        (30, 5, 37, false),
+    ] {
+        let angles: Vec<i32> = (0..count).map(|k| first + step * k).collect();
+        let write = |listed: bool| {
+            let mut text = String::from("angle_deg,deviation_um\n");
+            for way in 0..4 {
+                let mut lines: Vec<(i32, i32)> =
+                    angles.iter().map(|angle| (*angle, angle + 1000 * (way % 2))).collect();
+                if way % 2 == 1 && !listed {
+                    lines.reverse();
+                }
+                for (angle, um) in lines {
+                    let angle = if closed { angle } else { angle % 360 };
+                    writeln!(text, "{angle},{um}").unwrap();
+                }
+            }
+            text
+        };
+        let listed = with(&write(true), &format(Some(ClockwiseOrder::Rising))).unwrap();
+        let ways: Vec<bool> =
+            listed.by_angle().unwrap().turns.iter().map(|turn| turn.counter_clockwise).collect();
+        assert_eq!(ways, [true, false, true, false], "{first} {count}");
+        let read = |log: &Log| {
+            log.readings().iter().map(|of| (of.time_s, of.deviation_mm)).collect::<Vec<_>>()
+        };
+        let driven = with(&write(false), &format(None)).unwrap();
+        assert_eq!(listed.by_angle(), driven.by_angle(), "{first} {count}");
+        assert_eq!(read(&listed), read(&driven));
+    }
+    let falling = "angle_deg,deviation_um\n3,1\n2,1\n1,1\n";
+    let error = with(falling, &format(Some(ClockwiseOrder::Rising))).unwrap_err();
+    assert!(error.what.contains("do not rise"), "{error}");
 }

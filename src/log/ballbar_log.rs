@@ -12,7 +12,7 @@ use super::day;
 use super::listed::{Listed, listed};
 use super::reading::{Log, Reading};
 use crate::error::{Error, Place, Result};
-use crate::plan::log_format::{Format, LengthUnit, ReadingKind, TimeColumn};
+use crate::plan::log_format::{ClockwiseOrder, Format, LengthUnit, ReadingKind, TimeColumn};
 
 /// A bar reads a little over 1 mm either way: what stays below twice that is mm.
 const LARGEST_MM: f64 = 2.0;
@@ -49,8 +49,15 @@ pub(super) fn as_log(found: &BallbarFile, file: &Path, format: &Format) -> Resul
     };
     let mut notes = vec![taken_words(unit, format.stated_unit.is_some(), arc_deg)];
     let sign = if format.reading.inverted { -1.0 } else { 1.0 };
-    let order = order_of(found, unit, arc_deg)?;
-    notes.extend(order_words(found, order));
+    let order = match format.clockwise {
+        Some(ClockwiseOrder::Driven) => Listed::AsDriven,
+        Some(ClockwiseOrder::Rising) => Listed::ByAngle,
+        None => {
+            let order = order_of(found, unit, arc_deg)?;
+            notes.extend(order_words(found, order));
+            order
+        }
+    };
     let (mut readings, mut turns) = (Vec::new(), Vec::new());
     for (index, run) in found.runs.iter().enumerate() {
         let from = readings.len();
@@ -153,7 +160,7 @@ fn order_words(found: &BallbarFile, order: Listed) -> Option<String> {
                 .into(),
         ),
         Listed::NotTold(mm) => Some(format!(
-            "in which order the clockwise readings stand is not told (what would tell is {:.1} um of 5): they are taken as driven; were they listed by rising angle, squareness and servo mismatch would have changed places",
+            "in which order the clockwise readings stand is not told (what would tell is {:.1} um of 5): they are taken as driven; were they listed by rising angle, squareness and servo mismatch would have changed places: `clockwise_order = \"driven\"` or `\"rising\"` under `[log]` in the test file says it",
             1e3 * mm
         )),
     }

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use jiff::civil::Date;
 
+use super::reading::Reading;
 use crate::error::Result;
 use crate::solve::{Truncation, Tsqr, solve};
 
@@ -39,7 +40,7 @@ pub struct Said {
 pub struct Turn {
     /// From the first axis of the plane to the second.
     pub counter_clockwise: bool,
-    /// Its readings, as indices.
+    /// Its readings, as indices, in the order in which they were driven.
     pub readings: Range<usize>,
     /// Where they were taken.
     pub angles: Angles,
@@ -73,13 +74,60 @@ pub(super) fn circularity(readings: &[Option<f64>], span_rad: f64) -> Result<f64
     Ok(high - low)
 }
 
+/// Arcs of readings that all stand by rising angle, degrees, each at most a full turn: where the angle comes back to its first the next
+/// begins, or does not rise, and every second is clockwise. `None` where one has a single reading.
+pub(super) fn rising_turns(angles_deg: &[f64]) -> Option<Vec<Turn>> {
+    let mut turns = Vec::new();
+    let mut from = 0;
+    while from < angles_deg.len() {
+        let (mut to, mut swept_deg) = (from + 1, 0.0);
+        while to < angles_deg.len() {
+            let step_deg = step_deg(angles_deg, to);
+            swept_deg += step_deg;
+            // The reading that closes a circle stands once more at the beginning of the next.
+            let closes = to + 1 == angles_deg.len() || self::step_deg(angles_deg, to + 1) == 0.0;
+            if step_deg <= 0.0 || swept_deg > 360.0 - CLOSED_DEG && !closes {
+                break;
+            }
+            to += 1;
+        }
+        let counter_clockwise = turns.len() % 2 == 0;
+        let of_arc = angles_deg[from..to].iter().map(|angle| angle.to_radians() % TAU);
+        let stated = if counter_clockwise { of_arc.collect() } else { of_arc.rev().collect() };
+        if to < from + 2 {
+            return None;
+        }
+        turns.push(Turn { counter_clockwise, readings: from..to, angles: Angles::Stated(stated) });
+        from = to;
+    }
+    Some(turns)
+}
+
+/// Angles that lie so near to each other are written for one, degrees.
+const CLOSED_DEG: f64 = 1e-6;
+
+/// From the angle before to this one the shorter way, degrees, above -180 and up to 180.
+fn step_deg(angles_deg: &[f64], k: usize) -> f64 {
+    let step = (angles_deg[k] - angles_deg[k - 1]).rem_euclid(360.0);
+    if step > 180.0 { step - 360.0 } else { step }
+}
+
+/// Puts readings that stand by rising angle into the order in which they were driven; the times of a log by angle only count.
+pub(super) fn as_driven(turns: &[Turn], readings: &mut [Reading]) {
+    for turn in turns.iter().filter(|turn| !turn.counter_clockwise) {
+        let of_turn = &mut readings[turn.readings.clone()];
+        let times_s: Vec<f64> = of_turn.iter().map(|reading| reading.time_s).collect();
+        of_turn.reverse();
+        for (reading, time_s) in of_turn.iter_mut().zip(times_s) {
+            reading.time_s = time_s;
+        }
+    }
+}
+
 /// Splits angles, degrees, where the direction turns or an angle stands twice: there one arc ends and the next begins. `None` where
 /// an angle stands three times.
 pub(super) fn turns(angles_deg: &[f64]) -> Option<Vec<Turn>> {
-    let step = |k: usize| {
-        let step = (angles_deg[k] - angles_deg[k - 1]).rem_euclid(360.0);
-        if step > 180.0 { step - 360.0 } else { step }
-    };
+    let step = |k: usize| step_deg(angles_deg, k);
     let mut turns = Vec::new();
     let mut from = 0;
     while from + 1 < angles_deg.len() {

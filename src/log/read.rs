@@ -14,7 +14,7 @@ use super::text::lines;
 use super::workbook;
 use crate::error::{Error, Place, Result};
 use crate::input;
-use crate::plan::log_format::{Format, ReadingKind, TimeColumn};
+use crate::plan::log_format::{ClockwiseOrder, Format, ReadingKind, TimeColumn};
 
 /// Rates outside are slips of the pen, and inside `k / hz` is finite and increases for any `k`.
 const RATES_HZ: std::ops::RangeInclusive<f64> = 1e-3..=1e6;
@@ -110,7 +110,7 @@ fn content(bytes: &[u8], file: &Path, format: &Format, columns: Columns) -> Resu
         Some(rows) => rows,
         None => table.rows(lines)?,
     };
-    let Rows { readings, angles_deg, no_readings, began, of_day } = rows;
+    let Rows { mut readings, angles_deg, no_readings, began, of_day } = rows;
     let noted = |(word, count): (String, usize)| {
         format!("{count} reading(s) are `{word}` and count as out of range")
     };
@@ -137,12 +137,22 @@ fn content(bytes: &[u8], file: &Path, format: &Format, columns: Columns) -> Resu
             ),
         );
     }
-    let Some(turns) = by_angle::turns(&angles_deg) else {
+    let rising = format.clockwise == Some(ClockwiseOrder::Rising);
+    let turns =
+        if rising { by_angle::rising_turns(&angles_deg) } else { by_angle::turns(&angles_deg) };
+    let Some(turns) = turns else {
         return unusable(
-            "two readings that follow each other have the same angle".to_owned(),
-            "a log by angle has one line for each angle; one with times is better".to_owned(),
+            if rising {
+                "the angles do not rise".to_owned()
+            } else {
+                "two readings that follow each other have the same angle".to_owned()
+            },
+            "a log by angle has one line for each angle, in the order of `clockwise_order`; one with times is better".to_owned(),
         );
     };
+    if rising {
+        by_angle::as_driven(&turns, &mut readings);
+    }
     let layout = Layout {
         written,
         header_line: header.line.number,

@@ -216,6 +216,16 @@ impl Delimiter {
 /// The column of times unless another is named.
 pub(super) const DEFAULT_TIME: &str = "time_s";
 
+/// In which order the readings of clockwise arcs stand in a log by angle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ClockwiseOrder {
+    /// As they were driven: by falling angle.
+    Driven,
+    /// By rising angle, as those of the other direction.
+    Rising,
+}
+
 /// How to read a log.
 ///
 /// The default is the format this program writes itself: `time_s` in s, `deviation_um` in um.
@@ -242,6 +252,9 @@ pub struct Format {
     pub plane: Option<[usize; 2]>,
     /// How many degrees of each arc a log by angle that states none stands on; `None` where its name says it, or a full turn.
     pub data_arc_deg: Option<f64>,
+    /// In which order the clockwise readings of a log by angle stand; `None` where a `.b5r` has to tell and those of a table are
+    /// as driven.
+    pub clockwise: Option<ClockwiseOrder>,
     /// The unit of the readings where the test file states it: a file without columns has no other.
     pub stated_unit: Option<LengthUnit>,
     /// Name of the sheet of a workbook; `None` takes the only one that has cells.
@@ -266,6 +279,7 @@ impl Default for Format {
             range_mm: 1.2,
             plane: None,
             data_arc_deg: None,
+            clockwise: None,
             stated_unit: None,
             sheet: None,
         }

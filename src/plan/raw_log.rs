@@ -4,8 +4,8 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::log_format::{
-    DEFAULT_TIME, DecimalMark, Format, LengthUnit, OutOfRange, ReadingColumn, ReadingKind,
-    TextEncoding, TimeColumn, TimeUnit,
+    ClockwiseOrder, DEFAULT_TIME, DecimalMark, Format, LengthUnit, OutOfRange, ReadingColumn,
+    ReadingKind, TextEncoding, TimeColumn, TimeUnit,
 };
 use crate::error::{Error, Result};
 use crate::toml_text::Text;
@@ -32,6 +32,7 @@ pub(super) struct RawLog {
     angle_column: Option<Spanned<String>>,
     plane: Option<Spanned<String>>,
     data_arc_deg: Option<Spanned<f64>>,
+    clockwise_order: Option<ClockwiseOrder>,
 }
 
 #[derive(Deserialize, Clone, Copy, PartialEq, Eq)]
@@ -131,6 +132,7 @@ impl RawLog {
             range_mm,
             plane,
             data_arc_deg,
+            clockwise: self.clockwise_order,
             stated_unit,
             sheet: self.sheet,
             delimiter: None,
