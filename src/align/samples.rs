@@ -13,7 +13,7 @@ use super::section::Section;
 use super::time_map::{Moment, TimeMap};
 use crate::log::Reading;
 use crate::machine::Pose;
-use crate::model::Motion;
+use crate::model::{Averaged, Motion};
 use crate::motion::{Reversals, State, Times, Trajectory};
 
 /// A slide is where it goes to so much later, and comes from so much before, s.
@@ -142,6 +142,9 @@ impl Alignment {
     fn laid(&self, readings: impl Iterator<Item = Reading>, means: bool) -> Vec<Sample> {
         let (trajectory, time_map) = (&self.trajectory, &self.time_map);
         let following = self.following(0.0);
+        let count = self.averaged.max(1) as f64;
+        let of_window = Averaged { readings: count, period_s: self.sample_period_s / count };
+        let averaged = if means { of_window } else { Averaged::SINGLE };
         let mut samples = Vec::with_capacity(readings.size_hint().0);
         for Reading { time_s: log_s, deviation_mm, line } in readings {
             let Some(deviation_mm) = deviation_mm else { continue };
@@ -200,6 +203,7 @@ impl Alignment {
                     program_s: moment.program_s,
                     reversals: self.reversals.last(moment.program_s, &state.position_mm),
                     corner: trajectory.corner(moment.program_s, state.block),
+                    averaged,
                     ..Motion::REST
                 },
                 part,

@@ -1,8 +1,8 @@
 //! Means of neighbouring readings: of a fast log so many a second that nothing that is looked for gets lost.
 //!
 //! In a window of 20 ms a slide at 1500 mm/min goes 0.5 mm, a quarter of the shortest period that is looked for, and a
-//! mean takes 10 % of such a wave; of a wave of 10 mm it takes 0.4 %. What is faster, a vibration, is looked for in the
-//! readings themselves. All work after this does not grow with the rate of the log.
+//! mean takes 10 % of such a wave; of a wave of 10 mm it takes 0.4 %. What a mean takes of a wave, a vibration among them, is
+//! in the columns of its amplitudes ([`Averaged::share_of_wave`](crate::model::Averaged::share_of_wave)). All work after this does not grow with the rate of the log.
 
 use crate::log::{Log, Reading};
 

@@ -135,7 +135,12 @@ impl Law {
             Self::Wave(over, turns, _) => {
                 let (value, sense) = place(over);
                 let (sine, cosine) = (turns(value, inner) * std::f64::consts::TAU).sin_cos();
-                (out[0], out[1]) = (sense * sine, sense * cosine);
+                let averaged = &motion.averaged;
+                let aside = 0.5 * averaged.lasts_s() * (over.variable)(axis).per_s(motion);
+                let went = turns(value + aside, inner) - turns(value - aside, inner);
+                let share =
+                    if went.is_finite() { sense * averaged.share_of_wave(went) } else { sense };
+                (out[0], out[1]) = (share * sine, share * cosine);
             }
             Self::Harmonics(_) => harmonics(inner as usize, direction, out),
             Self::Corner(_) => {

@@ -46,7 +46,7 @@ pub use local::{Local, LocalShape};
 pub use local_frame::{LocalFrame, LocalTerm};
 pub(crate) use model_file::LARGEST_ERROR;
 pub use model_file::ModelFile;
-pub use motion::{Corner, Motion, Reversal};
+pub use motion::{Averaged, Corner, Motion, Reversal};
 pub use seat::{Seat, SeatKind};
 pub use sets::{COMPLETE, LOCAL, NAMED_SETS, coefficients, local_terms, terms};
 pub use shape::Shape;

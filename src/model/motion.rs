@@ -20,6 +20,38 @@ pub struct Corner {
     pub jump_mm_s: Vector3<f64>,
 }
 
+/// The readings that a reading is the mean of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Averaged {
+    /// How many.
+    pub readings: f64,
+    /// From one to the next, s.
+    pub period_s: f64,
+}
+
+impl Averaged {
+    /// A reading by itself.
+    pub const SINGLE: Self = Self { readings: 1.0, period_s: 0.0 };
+
+    /// How long they last together, s.
+    pub fn lasts_s(&self) -> f64 {
+        self.readings * self.period_s
+    }
+
+    /// By which factor the mean is smaller than the middle of a wave that makes so many turns while they last: of n readings
+    /// `sin(n p) / (n sin p)`, with `p` half the angle from one to the next.
+    pub fn share_of_wave(&self, turns: f64) -> f64 {
+        let half_rad = std::f64::consts::PI * turns / self.readings;
+        let all_rad = self.readings * half_rad;
+        // Where each reading has turned all the way round, the limit of it.
+        if half_rad.sin().abs() > 1e-9 {
+            all_rad.sin() / (self.readings * half_rad.sin())
+        } else {
+            all_rad.cos() / half_rad.cos()
+        }
+    }
+}
+
 /// How the machine moves at a moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Motion {
@@ -33,6 +65,8 @@ pub struct Motion {
     pub reversals: [Option<Reversal>; 3],
     /// The end of the present block.
     pub corner: Corner,
+    /// What the reading is the mean of.
+    pub averaged: Averaged,
     /// Which of the runs that are looked at together: an effect may be one run's alone.
     pub run: usize,
 }
@@ -45,6 +79,30 @@ impl Motion {
         program_s: 0.0,
         reversals: [None; 3],
         corner: Corner { ahead_s: f64::INFINITY, jump_mm_s: Vector3::new(0.0, 0.0, 0.0) },
+        averaged: Averaged::SINGLE,
         run: 0,
     };
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+
+    #[test]
+    fn a_mean_holds_the_share_of_a_wave_that_its_readings_do() {
+        for (readings, period_s) in [(1, 0.0), (2, 0.01), (5, 0.004), (20, 1e-3)] {
+            let averaged = Averaged { readings: f64::from(readings), period_s };
+            for hz in [0.0, 0.7, 10.0, 26.0, 50.0, 60.0, 130.0, 250.0, 1000.0] {
+                let wave = |k: i32| {
+                    let from_middle = f64::from(k) - 0.5 * f64::from(readings - 1);
+                    (TAU * hz * from_middle * period_s).cos()
+                };
+                let mean = (0..readings).map(wave).sum::<f64>() / f64::from(readings);
+                let share = averaged.share_of_wave(hz * averaged.lasts_s());
+                assert!((share - mean).abs() < 1e-9, "{readings} {hz}: {share} {mean}");
+            }
+        }
+    }
 }

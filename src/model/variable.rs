@@ -57,6 +57,15 @@ impl Variable {
         }
     }
 
+    /// What it changes by in a second: of what counts from a reversal nothing, as that is no wave.
+    pub fn per_s(self, motion: &Motion) -> f64 {
+        match self {
+            Self::Position(axis) => motion.velocity_mm_s[axis.index()],
+            Self::Elapsed | Self::Program => 1.0,
+            Self::Velocity(_) | Self::SinceReversal(_) | Self::WaySinceReversal(_) => 0.0,
+        }
+    }
+
     /// Its unit.
     pub fn unit(self) -> &'static str {
         match self {
