@@ -255,3 +255,26 @@ fn one_program_may_run_in_several_mountings() {
     assert_eq!(runs.iter().map(|run| &run["mounting"]).collect::<Vec<_>>(), ["A", "B"]);
     assert_ne!(runs[0]["log"], runs[1]["log"]);
 }
+
+#[test]
+fn places_that_no_repeat_puts_together_are_told() {
+    let work = Work::new();
+    let places = [("A", [0.0, 0.0, 0.0], ""), ("B", [60.0, 40.0, 50.0], "work_offset = \"G55\"")];
+    let rest = "[plan]\nstrategy = \"xy\"\nfeed_mm_min = 1000.0\n";
+    work.machine("name", "name").write("test.toml", test_of(&places, rest));
+    work.ballbar(&["simulate", "test.toml"]).done();
+    std::fs::rename(work.path("results"), work.path("virtual")).unwrap();
+    let told = |analysis: &Value| -> bool {
+        let cautions = analysis["cautions"].as_array().unwrap().iter();
+        cautions.map(|caution| caution.as_str().unwrap()).any(|of| of.contains("the same `repeat`"))
+    };
+    let together = analysed(&work);
+    assert_eq!(together["repeats"].as_array().unwrap().len(), 1);
+    assert!(!told(&together), "{:#}", together["cautions"]);
+    let test = std::fs::read_to_string(work.path("virtual/test.toml")).unwrap();
+    let apart: Vec<&str> = test.lines().filter(|line| !line.starts_with("repeat")).collect();
+    work.write("virtual/test.toml", apart.join("\n"));
+    let apart = analysed(&work);
+    assert_eq!(apart["repeats"].as_array().unwrap().len(), 2);
+    assert!(told(&apart), "{:#}", apart["cautions"]);
+}

@@ -1,6 +1,8 @@
 //! What a reader should know before he believes the numbers.
 
-use super::facts::Analysis;
+use std::collections::BTreeSet;
+
+use super::facts::{Analysis, RepeatResult};
 use super::place::PlaceResult;
 use super::run_facts::RunResult;
 use crate::report::text::numbers::{fixed, many};
@@ -24,6 +26,7 @@ pub(super) fn of(analysis: &Analysis) -> Vec<String> {
         all.extend(unexplained(analysis));
         all.extend(changed(analysis));
     }
+    all.extend(apart(analysis));
     all.extend(analysis.runs().filter_map(|run| timing(run, analysis)));
     all.extend(feed(analysis));
     all.extend(rejected(analysis));
@@ -64,6 +67,26 @@ fn unexplained(analysis: &Analysis) -> Option<String> {
             fixed(stated, 3)
         )
     })
+}
+
+/// Repeats that have no circle in common are hardly repeats.
+fn apart(analysis: &Analysis) -> Option<String> {
+    let circles = |repeat: &RepeatResult| -> BTreeSet<(String, String)> {
+        let of_run = |run: &RunResult| {
+            let arcs = run.arcs.iter().filter(|arc| !arc.transit);
+            arcs.map(|arc| (run.mounting.clone(), arc.circle.clone())).collect::<Vec<_>>()
+        };
+        repeat.runs.iter().flat_map(of_run).collect()
+    };
+    let first = analysis.repeats.first()?;
+    let of_first = circles(first);
+    let other = analysis.repeats.iter().find(|other| circles(other).is_disjoint(&of_first))?;
+    let name = |of: &RepeatResult| of.runs.first().map_or(String::new(), |run| run.name.clone());
+    Some(format!(
+        "{} and {} have no circle in common, and each was identified by itself. Are they of one test, write the same `repeat` into their `[[run]]`s: together they tell more.",
+        name(first),
+        name(other)
+    ))
 }
 
 fn changed(analysis: &Analysis) -> Option<String> {
