@@ -44,6 +44,12 @@ const FINDING_STEPS: usize = 2;
 /// And in which samples are chosen anew in any case.
 const CHOOSING_STEPS: usize = 3;
 
+/// The least that may come to be left, of what the last two steps left: it falls ever more slowly, and what so many steps like the
+/// last would not do, none will. While readings are chosen steps do not compare.
+fn coming(earlier: f64, now: f64, choosing: bool) -> f64 {
+    if choosing { now / HOPELESS } else { now - LATELY as f64 * (earlier - now).max(0.0) }
+}
+
 /// Where a fit stood before a step.
 struct Stand {
     /// Root of the mean square of what was left of a reading there, in units of the noise.
@@ -77,9 +83,8 @@ impl Fit<'_> {
     ) -> Result<Outcome> {
         let downhill_after = if self.state.bent { DOWNHILL_AGAIN_AFTER } else { DOWNHILL_AFTER };
         let mut kept: Option<Stand> = None;
-        let mut halvings = 0;
-        // Whether no part of a step leads down.
-        let mut stuck = false;
+        // And whether no part of a step leads down.
+        let (mut halvings, mut stuck) = (0, false);
         let mut before: Option<Unknowns> = None;
         let mut misfits: Vec<f64> = Vec::new();
         let mut last_scatter = f64::INFINITY;
@@ -151,11 +156,7 @@ impl Fit<'_> {
             let change = rows.change(&step);
             // Rows are in units of the assumed noise: their rms corrects it.
             let scatter = self.state.correlated * solution.shared().residual_norm() / count.sqrt();
-            // What is left falls ever more slowly: what so many steps like the last would not do, none will.
-            let gain = last_scatter - scatter;
-            let coming =
-                if choosing { scatter / HOPELESS } else { scatter - LATELY as f64 * gain.max(0.0) };
-            last_scatter = scatter;
+            let coming = coming(std::mem::replace(&mut last_scatter, scatter), scatter, choosing);
             if steps > FINDING_STEPS && self.state.sigma_mm * coming > most_mm {
                 return Err(Error::new(Kind::Undetermined, "more is left than elsewhere"));
             }
