@@ -5,7 +5,6 @@ use std::ops::Range;
 
 use jiff::civil::Date;
 
-use super::reading::Reading;
 use crate::error::Result;
 use crate::solve::{Truncation, Tsqr, solve};
 
@@ -110,18 +109,6 @@ const CLOSED_DEG: f64 = 1e-6;
 fn step_deg(angles_deg: &[f64], k: usize) -> f64 {
     let step = (angles_deg[k] - angles_deg[k - 1]).rem_euclid(360.0);
     if step > 180.0 { step - 360.0 } else { step }
-}
-
-/// Puts readings that stand by rising angle into the order in which they were driven; the times of a log by angle only count.
-pub(super) fn as_driven(turns: &[Turn], readings: &mut [Reading]) {
-    for turn in turns.iter().filter(|turn| !turn.counter_clockwise) {
-        let of_turn = &mut readings[turn.readings.clone()];
-        let times_s: Vec<f64> = of_turn.iter().map(|reading| reading.time_s).collect();
-        of_turn.reverse();
-        for (reading, time_s) in of_turn.iter_mut().zip(times_s) {
-            reading.time_s = time_s;
-        }
-    }
 }
 
 /// Splits angles, degrees, where the direction turns or an angle stands twice: there one arc ends and the next begins. `None` where

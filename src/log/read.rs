@@ -4,11 +4,11 @@ use std::path::Path;
 
 use super::b5r::{self, BallbarFile};
 use super::ballbar_log;
-use super::by_angle::{self, ByAngle, Said};
+use super::by_angle::{self, ByAngle, Said, Turn};
 use super::columns::{CHOOSE_COLUMNS, by_name, find_header, lines_for_the_test, same_name};
 use super::content::{Content, Layout, Table, Written};
 use super::encoding::as_text;
-use super::reading::Log;
+use super::reading::{Log, Reading};
 use super::table::{self, Rows};
 use super::text::lines;
 use super::workbook;
@@ -151,7 +151,7 @@ fn content(bytes: &[u8], file: &Path, format: &Format, columns: Columns) -> Resu
         );
     };
     if rising {
-        by_angle::as_driven(&turns, &mut readings);
+        as_driven(&turns, &mut readings);
     }
     let layout = Layout {
         written,
@@ -163,6 +163,18 @@ fn content(bytes: &[u8], file: &Path, format: &Format, columns: Columns) -> Resu
     };
     let log = Log::new(file, readings, notes).begun(began);
     Ok(Content::Table(Box::new(Table { log, turns, layout })))
+}
+
+/// Puts readings that stand by rising angle into the order in which they were driven; the times of a log by angle only count.
+fn as_driven(turns: &[Turn], readings: &mut [Reading]) {
+    for turn in turns.iter().filter(|turn| !turn.counter_clockwise) {
+        let of_turn = &mut readings[turn.readings.clone()];
+        let times_s: Vec<f64> = of_turn.iter().map(|reading| reading.time_s).collect();
+        of_turn.reverse();
+        for (reading, time_s) in of_turn.iter_mut().zip(times_s) {
+            reading.time_s = time_s;
+        }
+    }
 }
 
 /// The part of a format that no file can repair.
