@@ -13,6 +13,7 @@
 use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
+use rayon::prelude::*;
 
 use super::field::Field;
 use super::near::Measured;
@@ -81,6 +82,9 @@ pub fn correct(program: &Rewriting, field: &Field, correcting: &Correcting) -> R
         at_mm: program.moves().first().map_or([0.0; 3], |of| of.motion.start_mm.into()),
         sense: Vector3::zeros(),
     };
+    // Most moves of a long program are short and stay whole; nothing else of a correction is free of the moves before it.
+    let is_whole = |of: &Driven| of.zero_mm.is_some() && corrector.stays_whole(&of.motion);
+    let whole: Vec<bool> = program.moves().par_iter().map(is_whole).collect();
     let mut lines: BTreeMap<usize, String> = BTreeMap::new();
     let mut told = Corrected {
         text: String::new(),
@@ -96,7 +100,8 @@ pub fn correct(program: &Rewriting, field: &Field, correcting: &Correcting) -> R
     let mut driven = Vec::with_capacity(program.moves().len());
     // Where the program was at last: what it did not tell as a move took the machine elsewhere uncorrected.
     let mut meant_mm: Option<Vector3<f64>> = None;
-    for of in program.moves() {
+    let mut reference: Option<[Vector3<f64>; 2]> = None;
+    for (of, whole) in program.moves().iter().zip(whole) {
         if meant_mm != Some(of.motion.start_mm) {
             corrector.at_mm = of.motion.start_mm.into();
         }
@@ -113,10 +118,14 @@ pub fn correct(program: &Rewriting, field: &Field, correcting: &Correcting) -> R
             told.left += 1;
             continue;
         };
-        let parts = corrector.parts(&of.motion);
+        let parts = if whole { vec![of.motion.end_mm] } else { corrector.parts(&of.motion) };
         refuse_parts(program, of, &parts, driven.len())?;
         let from = corrector.at_mm;
-        let reference_mm = corrector.error_mm(&zero_mm, &Vector3::zeros());
+        // The same from move to move.
+        let known = reference.filter(|[at_mm, _]| *at_mm == zero_mm);
+        let [_, reference_mm] =
+            known.unwrap_or_else(|| [zero_mm, corrector.error_mm(&zero_mm, &Vector3::zeros())]);
+        reference = Some([zero_mm, reference_mm]);
         let mut points = Vec::with_capacity(parts.len());
         for meant in parts {
             let to = corrector.sent(program, of, &meant, &reference_mm);
@@ -288,11 +297,23 @@ impl Corrector<'_> {
         self.at_mm = to;
     }
 
+    /// Whether a move is not divided: a rapid one, or a short line on which the correction is straight enough.
+    fn stays_whole(&self, motion: &Move) -> bool {
+        let is_short =
+            || matches!(motion.path, Path::Line) && motion.length_mm() <= self.longest_mm;
+        motion.rapid || is_short() && !self.bends(motion, [0.0, 1.0])
+    }
+
+    /// Whether the correction bends on a part by more than half of the tolerance.
+    fn bends(&self, motion: &Move, ends: [f64; 2]) -> bool {
+        // Senses are none of it: they change at ends of parts only.
+        let at = |share: f64| self.error_mm(&motion.position_mm(share), &Vector3::zeros());
+        let bent = at(0.5 * (ends[0] + ends[1])) - 0.5 * (at(ends[0]) + at(ends[1]));
+        bent.norm() > 0.5 * self.correcting.tolerance_mm
+    }
+
     /// The points that a move is divided into, its end the last.
     fn parts(&self, motion: &Move) -> Vec<Vector3<f64>> {
-        if motion.rapid {
-            return vec![motion.end_mm];
-        }
         let mut shares = vec![0.0];
         shares.extend(motion.extreme_shares());
         shares.push(1.0);
@@ -328,10 +349,7 @@ impl Corrector<'_> {
     /// Divides a part until the correction is straight enough on it, and tells the end of each.
     fn divide(&self, motion: &Move, ends: [f64; 2], depth: u32, parts: &mut Vec<Vector3<f64>>) {
         let middle = 0.5 * (ends[0] + ends[1]);
-        // Senses are none of it: they change at ends of parts only.
-        let at = |share: f64| self.error_mm(&motion.position_mm(share), &Vector3::zeros());
-        let bent = at(middle) - 0.5 * (at(ends[0]) + at(ends[1]));
-        if depth < DEEPEST && bent.norm() > 0.5 * self.correcting.tolerance_mm {
+        if depth < DEEPEST && self.bends(motion, ends) {
             self.divide(motion, [ends[0], middle], depth + 1, parts);
             self.divide(motion, [middle, ends[1]], depth + 1, parts);
         } else {
