@@ -142,9 +142,7 @@ impl Alignment {
     fn laid(&self, readings: impl Iterator<Item = Reading>, means: bool) -> Vec<Sample> {
         let (trajectory, time_map) = (&self.trajectory, &self.time_map);
         let following = self.following(0.0);
-        let count = self.averaged.max(1) as f64;
-        let of_window = Averaged { readings: count, period_s: self.sample_period_s / count };
-        let averaged = if means { of_window } else { Averaged::SINGLE };
+        let averaged = if means { self.window() } else { Averaged::SINGLE };
         let mut samples = Vec::with_capacity(readings.size_hint().0);
         for Reading { time_s: log_s, deviation_mm, line } in readings {
             let Some(deviation_mm) = deviation_mm else { continue };
@@ -212,6 +210,12 @@ impl Alignment {
             });
         }
         samples
+    }
+
+    /// The readings that a sample is the mean of.
+    pub fn window(&self) -> Averaged {
+        let readings = self.averaged.max(1) as f64;
+        Averaged { readings, period_s: self.sample_period_s / readings }
     }
 
     /// Looks up the path of every leg, for its mean: see [`Self::mean_mm`].

@@ -95,23 +95,14 @@ fn left_of_the_sphere(work: &Work, name: &str, errors: &ErrorFunctions, touching
     after / before
 }
 
-/// The program of the first place is corrected by the analysis of the test.
-fn correct(work: &Work) -> Outcome {
-    work.plain(&[
-        "correct",
-        "base/O1001.nc",
-        "--analysis",
-        "base",
-        "--test",
-        "base/test.toml",
-        "-o",
-        "corrected",
-        "--json",
-    ])
+/// Corrects the program of the first place by the analysis of the test.
+fn correct(work: &Work, more: &[&str]) -> Outcome {
+    let test = ["--analysis", "base", "--test", "base/test.toml", "-o", "corrected"];
+    work.plain(&[&["correct", "base/O1001.nc"], &test[..], more].concat())
 }
 
 fn corrected(work: &Work) -> Value {
-    serde_json::from_str(&correct(work).done().stdout()).unwrap()
+    serde_json::from_str(&correct(work, &["--json"]).done().stdout()).unwrap()
 }
 
 #[test]
@@ -319,7 +310,7 @@ fn what_cannot_be_corrected_is_refused_with_its_block() {
 #[test]
 fn noise_is_not_compensated() {
     let work = analysed("vertical", &ErrorFunctions::default(), VERTICAL);
-    let told = correct(&work).refused(4);
+    let told = correct(&work, &[]).refused(4);
     assert!(told.contains("smaller than their noise"), "{told}");
     assert!(!work.path("corrected/O1001-corrected.nc").exists());
 }

@@ -325,10 +325,10 @@ fn one_fault_alone_is_the_whole_deviation() {
 /// A mean over 20 ms holds a sixth of what vibrates at 60 Hz: its size is that of the bar.
 #[test]
 fn a_vibration_that_is_faster_than_a_sample_has_its_own_size() {
-    for (rate_hz, effect) in [
-        (100, "vibration:on=bar,frequency_hz=20,amplitude_um="),
-        (250, "vibration:on=bar,frequency_hz=60,amplitude_um="),
-        (1000, "vibration:on=bar,frequency_hz=13,amplitude_um="),
+    for (rate_hz, effect, percent) in [
+        (100, "vibration:on=bar,frequency_hz=20,amplitude_um=", 81),
+        (250, "vibration:on=bar,frequency_hz=60,amplitude_um=", 17),
+        (1000, "vibration:on=bar,frequency_hz=13,amplitude_um=", 89),
     ] {
         let fault = Fault {
             coefficient: None,
@@ -337,11 +337,13 @@ fn a_vibration_that_is_faster_than_a_sample_has_its_own_size() {
             value: 2.0,
             words: [""; 2],
         };
-        let (_work, ranking) = analysed(&[&fault], 1.0, rate_hz, XY);
+        let (work, ranking) = analysed(&[&fault], 1.0, rate_hz, XY);
         let found = named(&ranking["tests"][0], fault.feature);
         let (value, all) = (number(found, "value"), number(found, "all"));
         println!("{effect}: {value} +- {all}");
         assert!((value - 2.0).abs() < 3.0 * all && all < 0.01, "{found:#}");
+        let report = std::fs::read_to_string(work.path("results/report.html")).unwrap();
+        assert!(report.contains(&format!("which hold {percent} % of it")), "{percent}");
     }
 }
 

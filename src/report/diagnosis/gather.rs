@@ -121,6 +121,7 @@ fn remarks(of: &Finding, machine: &Machine, identifications: &[Identification]) 
         .flatten()
         .chain(in_the_log(of, identifications))
         .chain(aliases(of, identifications))
+        .chain(in_means(of, identifications))
         .collect()
 }
 
@@ -135,6 +136,24 @@ fn aliases(of: &Finding, identifications: &[Identification]) -> Option<String> {
     let runs = identifications.iter().flat_map(|identification| &identification.runs);
     let rates: Vec<f64> = runs.map(|run| run.alignment.sample_period_s.recip()).collect();
     words::aliases(effect.get("frequency"), &rates)
+}
+
+/// How much of a vibration is in what a fast log counts as.
+fn in_means(of: &Finding, identifications: &[Identification]) -> Option<String> {
+    let effect = of.effects.first().filter(|effect| effect.cause.id == "vibration")?;
+    let runs = identifications.iter().flat_map(|identification| &identification.runs);
+    let held = runs.map(|run| {
+        let window = run.alignment.window();
+        (window.share_of_wave(effect.get("frequency") * window.lasts_s()).abs(), window.lasts_s())
+    });
+    let (share, lasts_s) = held.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let percent = fixed(100.0 * share, 0);
+    (percent != "100").then(|| {
+        format!(
+            "Readings count as means over {} ms, which hold {percent} % of it: so much of it is in the residual and in the deviations of the circles.",
+            fixed(1e3 * lasts_s, 0)
+        )
+    })
 }
 
 /// The moment of a knock on the clock of its log, whenever the program began.
