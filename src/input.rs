@@ -12,9 +12,14 @@ const LARGEST_BYTES: u64 = 1 << 28;
 
 /// The content of a file, unpacked if it is gzipped; `what` names it in messages, such as "log".
 pub(crate) fn read(file: &Path, what: &str) -> Result<Vec<u8>> {
+    read_up_to(LARGEST_BYTES, file, what)
+}
+
+/// The same, where what unpacks to more bytes may be left at one more than those.
+fn read_up_to(most_bytes: u64, file: &Path, what: &str) -> Result<Vec<u8>> {
     let bytes = whole(file, what)?;
     // What is plain is not copied.
-    let plain = match unpacked(&bytes, file, what)? {
+    let plain = match unpacked_up_to(most_bytes, &bytes, file, what)? {
         Cow::Owned(plain) => Some(plain),
         Cow::Borrowed(_) => None,
     };
@@ -24,8 +29,8 @@ pub(crate) fn read(file: &Path, what: &str) -> Result<Vec<u8>> {
 /// The content of a TOML file. It is small: a thousand arcs have a tenth of a megabyte, and what is read takes a hundred times
 /// its size.
 pub(crate) fn read_small(file: &Path, what: &str) -> Result<Vec<u8>> {
-    let bytes = read(file, what)?;
-    if bytes.len() > LARGEST_SMALL_BYTES {
+    let bytes = read_up_to(LARGEST_SMALL_BYTES, file, what)?;
+    if bytes.len() as u64 > LARGEST_SMALL_BYTES {
         return Err(Error::input(format!("the {what} has more than 4 MiB"))
             .at(Place::file(file))
             .hint("this is no machine, test, scenario or model file"));
@@ -34,7 +39,7 @@ pub(crate) fn read_small(file: &Path, what: &str) -> Result<Vec<u8>> {
 }
 
 /// Largest TOML file.
-const LARGEST_SMALL_BYTES: usize = 4 << 20;
+const LARGEST_SMALL_BYTES: u64 = 4 << 20;
 
 /// What came from the standard input, which can be read once and may be asked for again.
 static PIPED: OnceLock<Vec<u8>> = OnceLock::new();
@@ -113,11 +118,20 @@ fn bounded(bytes: Vec<u8>, file: &Path, what: &str) -> Result<Vec<u8>> {
 
 /// Unpacks gzip, which is known by its first two bytes: instruments and mail programs rename files.
 pub(crate) fn unpacked<'a>(bytes: &'a [u8], file: &Path, what: &str) -> Result<Cow<'a, [u8]>> {
+    unpacked_up_to(LARGEST_BYTES, bytes, file, what)
+}
+
+fn unpacked_up_to<'a>(
+    most_bytes: u64,
+    bytes: &'a [u8],
+    file: &Path,
+    what: &str,
+) -> Result<Cow<'a, [u8]>> {
     if !bytes.starts_with(&[0x1f, 0x8b]) {
         return Ok(Cow::Borrowed(bytes));
     }
     let mut plain = Vec::new();
-    let mut unpacked = flate2::read::MultiGzDecoder::new(bytes).take(LARGEST_BYTES + 1);
+    let mut unpacked = flate2::read::MultiGzDecoder::new(bytes).take(most_bytes + 1);
     let refused = |text: String| {
         Err(Error::input(text)
             .at(Place::file(file))

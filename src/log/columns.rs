@@ -8,12 +8,17 @@ use super::number::is_no_reading;
 use super::text::{Line, quote, split};
 use super::unit_line::UnitLine;
 use crate::error::{Error, Place, Result};
-use crate::plan::log_format::{Delimiter, Format, LengthUnit, ReadingColumn, TimeColumn, TimeUnit};
+use crate::plan::log_format::{
+    Delimiter, Format, LengthUnit, ReadingColumn, TimeColumn, TimeUnit, is_between,
+};
 
 /// So many columns are listed in a message.
 const LISTED: usize = 20;
 /// So many lines that are neither blank nor comments may stand before the names of the columns.
 const LOOKED_AT: usize = 200;
+
+/// So many lines of any kind may, blank ones and comments: more than an instrument writes, and passed over in no time.
+const FARTHEST: usize = 100_000;
 
 /// The line that names the columns, and what separates them.
 #[derive(Clone, Copy)]
@@ -86,7 +91,8 @@ fn separated<'a>(
     lines: impl Iterator<Item = Line<'a>>,
     format: &Format,
 ) -> (Option<Delimiter>, impl Iterator<Item = Line<'a>>) {
-    let mut lines = lines.filter(|line| !line.is_comment() && !line.is_blank()).peekable();
+    let says = |line: &Line| !line.is_comment() && !line.is_blank();
+    let mut lines = lines.take(FARTHEST).filter(says).peekable();
     let mut told = format.delimiter;
     if told.is_none() {
         told = lines.peek().and_then(|line| Delimiter::told(line.text));
@@ -140,8 +146,7 @@ pub(super) fn by_name<'a>(
 
 /// Whether the name of a column ends with a unit of angles.
 fn is_angle(name: &str) -> bool {
-    let between = |c: char| c.is_whitespace() || "_[]()/:;".contains(c);
-    let unit = name.split(between).rfind(|word| !word.is_empty());
+    let unit = name.split(is_between).rfind(|word| !word.is_empty());
     unit.is_some_and(|unit| ["deg", "degree", "degrees", "grad", "\u{b0}"].contains(&unit))
 }
 
@@ -165,7 +170,8 @@ pub(super) const CHOOSE_COLUMNS: &str = "choose the columns in the test file: `t
     `reading_unit` and `reading` = \"deviation\" or \"length\"";
 
 pub(super) fn same_name(a: &str, b: &str) -> bool {
-    a.trim().to_lowercase() == b.trim().to_lowercase()
+    let [a, b] = [a, b].map(|name| name.trim().chars().flat_map(char::to_lowercase));
+    a.eq(b)
 }
 
 /// Index of the column of a name: as it is written if there is one, else whatever its case.

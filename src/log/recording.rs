@@ -15,7 +15,7 @@ use super::number::Numbers;
 use super::text::{Line, lines, quote, split};
 use crate::error::{Error, Place, Result};
 use crate::input;
-use crate::plan::log_format::{Delimiter, Format, LengthUnit, TimeUnit};
+use crate::plan::log_format::{Delimiter, Format, LengthUnit, TimeUnit, is_between};
 
 /// More than an hour of every millisecond.
 const MOST_ROWS: usize = 4_000_000;
@@ -152,10 +152,9 @@ fn named(
     fields: &[Range<usize>],
     file: &Path,
 ) -> Result<Option<Header>> {
-    let between = |c: char| c.is_whitespace() || "_[](){}/:;,.".contains(c);
     let is_of = |name: &str, slide: &str| {
         LengthUnit::of_column(name).is_some()
-            && name.split(between).any(|word| word.eq_ignore_ascii_case(slide))
+            && name.split(is_between).any(|word| word.eq_ignore_ascii_case(slide))
     };
     let mut slides = [(0, LengthUnit::Millimetre); 3];
     for (slide, found) in ["x", "y", "z"].into_iter().zip(&mut slides) {

@@ -17,11 +17,11 @@ pub(super) struct Line<'a> {
 
 impl Line<'_> {
     pub(super) fn is_comment(self) -> bool {
-        self.text.trim_start().starts_with('#')
+        !self.text.is_empty() && self.text.trim_start().starts_with('#')
     }
 
     pub(super) fn is_blank(self) -> bool {
-        self.text.trim_start().is_empty()
+        self.text.is_empty() || self.text.trim_start().is_empty()
     }
 
     /// An error about a range of bytes of this line.
@@ -35,12 +35,19 @@ impl Line<'_> {
 /// The lines of a text, numbered from 1. Where nothing else ends a line, CR does; DOS ended a file with ^Z.
 pub(super) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
     const END_OF_FILE: char = '\u{1A}';
-    let trimmed = text.trim_end_matches(|c: char| c.is_whitespace() || c == END_OF_FILE);
     // Without the mark, blank lines at the end are readings where there is a single column.
-    let text = if text[trimmed.len()..].contains(END_OF_FILE) { trimmed } else { text };
+    let is_marked =
+        text.rfind(END_OF_FILE).is_some_and(|at| text[at + 1..].trim_start().is_empty());
+    let is_end = |c: char| c.is_whitespace() || c == END_OF_FILE;
+    let text = if is_marked { text.trim_end_matches(is_end) } else { text };
     let end = if text.contains('\n') { '\n' } else { '\r' };
     let lines = text.strip_suffix(end).unwrap_or(text).split(end);
-    (1..).zip(lines).map(|(number, text)| Line { number, text: text.trim_end_matches('\r') })
+    (1..).zip(lines).map(|(number, text)| Line { number, text: without_cr(text) })
+}
+
+/// Most lines have none, and many logs millions of lines.
+fn without_cr(line: &str) -> &str {
+    if line.ends_with('\r') { line.trim_end_matches('\r') } else { line }
 }
 
 /// The fields of a line, without the blanks and the quotes around them.

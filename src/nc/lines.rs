@@ -9,15 +9,15 @@ pub(crate) struct Line {
     pub(crate) start: usize,
 }
 
-/// All lines of a text. A block ends with LF, CR LF or LF CR CR, so that carriage returns can stand at
+/// All lines of a text, each without its end. A block ends with LF, CR LF or LF CR CR, so that carriage returns can stand at
 /// both ends of a line.
-pub(crate) fn lines(source: &str) -> impl Iterator<Item = Line> {
+pub(crate) fn lines(source: &str) -> impl Iterator<Item = (Line, &str)> {
     let mut start = 0;
-    source.split('\n').enumerate().map(move |(index, text)| {
-        let blanks = text.len() - text.trim_start_matches('\r').len();
-        let line = Line { number: index + 1, start: start + blanks };
-        start += text.len() + 1;
-        line
+    source.split('\n').enumerate().map(move |(index, whole)| {
+        let text = whole.trim_start_matches('\r');
+        let line = Line { number: index + 1, start: start + (whole.len() - text.len()) };
+        start += whole.len() + 1;
+        (line, text.trim_end_matches('\r'))
     })
 }
 

@@ -105,9 +105,9 @@ impl<'a> Listing<'a> {
             marks.first().map_or(0, |mark| mark.number),
             marks.get(1).map_or(usize::MAX, |mark| mark.number),
         );
-        for line in lines(source) {
+        for (line, text) in lines(source) {
             if line.number > listing.between.0 && line.number < listing.between.1 {
-                listing.line(line, reading, refuse)?;
+                listing.line(line, text, reading, refuse)?;
             }
         }
         if listing.sections.is_empty() {
@@ -137,15 +137,12 @@ impl<'a> Listing<'a> {
     /// The lines between the two `%`, or all where there are none.
     pub(crate) fn lines(&self) -> impl Iterator<Item = (Line, &'a str)> {
         let (first, last) = self.between;
-        lines(self.source)
-            .skip(first)
-            .take_while(move |line| line.number < last)
-            .map(|line| (line, text(self.source, line)))
+        lines(self.source).skip(first).take_while(move |(line, _)| line.number < last)
     }
 
     /// All lines of the file.
     pub(crate) fn all_lines(&self) -> impl Iterator<Item = (Line, &'a str)> {
-        lines(self.source).map(|line| (line, text(self.source, line)))
+        lines(self.source)
     }
 
     /// How many bytes a program of the file takes.
@@ -204,8 +201,9 @@ impl<'a> Listing<'a> {
         if self.grammar.form != Form::Numbered {
             return Ok(Vec::new());
         }
-        let is_mark = |line: &Line| text(self.source, *line).trim_start().starts_with('%');
-        let marks: Vec<Line> = lines(self.source).filter(is_mark).take(2).collect();
+        let is_mark = |text: &str| text.trim_start().starts_with('%');
+        let marks = lines(self.source).filter_map(|(line, text)| is_mark(text).then_some(line));
+        let marks: Vec<Line> = marks.take(2).collect();
         if let [mark] = marks[..] {
             let after = self.source[mark.start..].split_once('\n');
             let last = after.is_none_or(|(_, rest)| rest.trim().is_empty());
@@ -221,8 +219,13 @@ impl<'a> Listing<'a> {
     }
 
     /// Takes one line apart; of a faulty one the words that could be read are kept.
-    fn line(&mut self, line: Line, reading: &Reading, refuse: &mut Refuse<'_>) -> Result<()> {
-        let text = text(self.source, line);
+    fn line(
+        &mut self,
+        line: Line,
+        text: &'a str,
+        reading: &Reading,
+        refuse: &mut Refuse<'_>,
+    ) -> Result<()> {
         if text.trim().is_empty() {
             return Ok(());
         }

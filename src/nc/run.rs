@@ -13,11 +13,11 @@ use super::reading::Reading;
 use super::word::{Fault, Letters, Word};
 use crate::error::Result;
 
-/// A program that runs more blocks than this repeats itself without bound.
-pub(crate) const MOST_BLOCKS: usize = 20_000_000;
 /// More steps than this are kept of no program, a million and the ways to and from them: at a thousand a second a quarter of an
 /// hour. With their times they take less than 1 GB; beyond 2^20 a list that doubles would take more.
 const MOST_STEPS: usize = 1_040_000;
+/// A program that runs more blocks than this repeats itself without bound: around a step stand a few that are none.
+pub(crate) const MOST_BLOCKS: usize = 8 * MOST_STEPS;
 
 /// So often a program may interrupt its motion, or go wrong and be followed further; one of a test has some hundred stops.
 const MOST_MARKS: usize = 100_000;

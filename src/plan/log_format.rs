@@ -2,10 +2,15 @@
 
 pub use super::log_text::{DecimalMark, OutOfRange, TextEncoding};
 
+/// Whether a character stands between the words of a column's name.
+pub(crate) fn is_between(c: char) -> bool {
+    matches!(c, '_' | '[' | ']' | '(' | ')' | '{' | '}' | '/' | ':' | ';' | ',' | '.')
+        || c.is_whitespace()
+}
+
 /// The unit at the end of a column's name: of `length_mm`, `Time (s)`, `Abweichung [µm]`.
 fn at_the_end<T>(name: &str, parse: impl Fn(&str) -> Option<T>) -> Option<T> {
-    let between = |c: char| c.is_whitespace() || "_[](){}/:;,.".contains(c);
-    name.split(between).rfind(|word| !word.is_empty()).and_then(parse)
+    name.split(is_between).rfind(|word| !word.is_empty()).and_then(parse)
 }
 
 /// Unit of a column of times.

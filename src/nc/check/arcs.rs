@@ -1,6 +1,6 @@
 //! Rules of what is driven with the bar engaged: sphere, chords, corners, what stands inside an arc.
 
-use super::bar::{Pause, Walk};
+use super::bar::{Pause, Walk, in_line};
 use crate::nc::program::{Move, Path, Step};
 use crate::nc::word::Fault;
 
@@ -130,7 +130,7 @@ impl Walk<'_, '_> {
             (Some(word), Some(block)) => {
                 self.listing.locate(block.line, Fault::word(&word, format!("{name} inside an arc")))
             }
-            _ => self.error_of(pause.line, format!("{name} inside an arc")),
+            _ => in_line(self.listing, pause.line, format!("{name} inside an arc")),
         };
         let error = error.hint(
             "it ends the look-ahead, and the arc is driven in two pieces: move it to the end of the arc",

@@ -89,21 +89,22 @@ pub(super) struct Walk<'a, 'b> {
     pub(super) last: usize,
 }
 
-impl Walk<'_, '_> {
-    pub(super) fn error_of(&self, line: usize, what: String) -> Error {
-        match self.listing.block_of(line) {
-            Some(block) => self.listing.locate(block.line, Fault::line(what)),
-            None => self.listing.whole(what),
-        }
+/// An error of the block in a line.
+pub(super) fn in_line(listing: &Listing, line: usize, what: String) -> Error {
+    match listing.block_of(line) {
+        Some(block) => listing.locate(block.line, Fault::line(what)),
+        None => listing.whole(what),
     }
+}
 
+impl Walk<'_, '_> {
     pub(super) fn error(&mut self, line: usize, rule: &'static str, what: String, hint: &str) {
-        let error = self.error_of(line, what).hint(hint);
-        self.findings.error(rule, error);
+        let listing = self.listing;
+        self.findings.error_of(rule, what, |what| in_line(listing, line, what).hint(hint));
     }
 
     pub(super) fn warning(&mut self, line: usize, rule: &'static str, what: String, hint: &str) {
-        let error = self.error_of(line, what).hint(hint);
+        let error = in_line(self.listing, line, what).hint(hint);
         self.findings.warning(rule, error);
     }
 

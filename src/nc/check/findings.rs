@@ -55,30 +55,67 @@ const TOLD: usize = 3;
 #[derive(Debug, Default)]
 pub(super) struct Findings {
     list: Vec<Finding>,
-    /// By rule and wording without figures: how many there were, and where the last told one stands.
-    kinds: BTreeMap<(&'static str, String), (usize, usize)>,
+    /// By rule and wording without figures.
+    kinds: BTreeMap<&'static str, BTreeMap<String, Kind>>,
+    /// Room for a wording without figures.
+    wording: String,
+}
+
+/// Findings that differ in figures at the most.
+#[derive(Debug, Default)]
+struct Kind {
+    count: usize,
+    /// Where the last that is told stands in the list.
+    last: usize,
 }
 
 impl Findings {
     pub(super) fn error(&mut self, rule: &'static str, error: Error) {
-        self.add(Severity::Error, rule, error);
+        if self.is_told(rule, &error.what) {
+            self.push(Severity::Error, rule, error);
+        }
+    }
+
+    /// The same, where millions of blocks may have it: of what is only counted, no error is made.
+    pub(super) fn error_of(
+        &mut self,
+        rule: &'static str,
+        what: String,
+        error: impl FnOnce(String) -> Error,
+    ) {
+        if self.is_told(rule, &what) {
+            self.push(Severity::Error, rule, error(what));
+        }
     }
 
     pub(super) fn warning(&mut self, rule: &'static str, error: Error) {
-        self.add(Severity::Warning, rule, error);
+        if self.is_told(rule, &error.what) {
+            self.push(Severity::Warning, rule, error);
+        }
     }
 
-    fn add(&mut self, severity: Severity, rule: &'static str, error: Error) {
+    /// Counts a finding, and says whether it is one of those that are told each by itself.
+    fn is_told(&mut self, rule: &'static str, what: &str) -> bool {
         let figure = |c: char| c.is_ascii_digit() || c == '.' || c == '-';
-        let wording: String = error.what.chars().filter(|c| !figure(*c)).collect();
-        let (count, last) = self.kinds.entry((rule, wording)).or_insert((0, 0));
-        *count += 1;
-        if *count > TOLD {
-            self.list[*last].more += 1;
+        self.wording.clear();
+        self.wording.extend(what.split(figure));
+        let kinds = self.kinds.entry(rule).or_default();
+        let kind = match kinds.get_mut(&self.wording) {
+            Some(kind) => kind,
+            None => kinds.entry(self.wording.clone()).or_default(),
+        };
+        kind.count += 1;
+        let told = kind.count <= TOLD;
+        if told {
+            kind.last = self.list.len();
         } else {
-            *last = self.list.len();
-            self.list.push(Finding { severity, rule, error, more: 0 });
+            self.list[kind.last].more += 1;
         }
+        told
+    }
+
+    fn push(&mut self, severity: Severity, rule: &'static str, error: Error) {
+        self.list.push(Finding { severity, rule, error, more: 0 });
     }
 
     /// In the order of the file; what concerns the whole file comes last.

@@ -92,9 +92,11 @@ fn travel(
         return;
     };
     let what = format!("axis {axis} would go to {beyond:.3} mm in machine coordinates");
-    let hint =
-        format!("its travel is {low} to {high} mm: check the coordinate and the work offset");
-    findings.error("travel", listing.at_word(line, b"XYZ"[axis.index()], what).hint(hint));
+    findings.error_of("travel", what, |what| {
+        let hint =
+            format!("its travel is {low} to {high} mm: check the coordinate and the work offset");
+        listing.at_word(line, b"XYZ"[axis.index()], what).hint(hint)
+    });
 }
 
 /// No axis is asked for more than its fastest feed, and none for more than its rapid traverse.
