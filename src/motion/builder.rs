@@ -21,12 +21,12 @@ pub(super) struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    /// Nothing yet, on a machine with its feeds multiplied by `feed_override`.
-    pub(super) fn new(machine: &'a Machine, feed_override: f64) -> Self {
+    /// Nothing yet, with room for as many blocks, on a machine with its feeds multiplied by `feed_override`.
+    pub(super) fn new(machine: &'a Machine, feed_override: f64, blocks: usize) -> Self {
         Self {
             machine,
             feed_override,
-            blocks: Vec::new(),
+            blocks: Vec::with_capacity(blocks),
             now_s: 0.0,
             feed_s: 0.0,
             sense: Vector3::zeros(),

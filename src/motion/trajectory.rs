@@ -56,9 +56,9 @@ pub struct Trajectory {
 impl Trajectory {
     /// Times a program on a machine, its feeds multiplied by `feed_override`.
     pub fn new(program: &Program, machine: &Machine, feed_override: f64) -> Self {
-        let mut builder = Builder::new(machine, feed_override);
-        let mut stretch: Vec<(usize, usize, Move)> = Vec::new();
         let (before, steps) = program.steps.split_at(program.first_move());
+        let mut builder = Builder::new(machine, feed_override, steps.len());
+        let mut stretch: Vec<(usize, usize, Move)> = Vec::new();
         for step in steps {
             match step.action {
                 Action::Move(motion) => stretch.push((step.line, step.label, motion)),

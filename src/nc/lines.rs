@@ -14,9 +14,14 @@ pub(crate) struct Line {
 pub(crate) fn lines(source: &str) -> impl Iterator<Item = (Line, &str)> {
     let mut start = 0;
     source.split('\n').enumerate().map(move |(index, whole)| {
-        let text = whole.trim_start_matches('\r');
-        let line = Line { number: index + 1, start: start + (whole.len() - text.len()) };
+        let mut line = Line { number: index + 1, start };
         start += whole.len() + 1;
+        // Most lines have none.
+        if !(whole.starts_with('\r') || whole.ends_with('\r')) {
+            return (line, whole);
+        }
+        let text = whole.trim_start_matches('\r');
+        line.start += whole.len() - text.len();
         (line, text.trim_end_matches('\r'))
     })
 }

@@ -64,8 +64,10 @@ pub(crate) struct Listing<'a> {
     open: klartext::Open,
 }
 
-/// A larger program is refused before it is taken apart, which takes some ten times the memory.
+/// A larger program is refused before it is taken apart, which takes ten times the memory.
 const LARGEST_BYTES: usize = 64 << 20;
+/// So many lines that cannot be read are told, counted with others; what has more is no program of this control.
+const MOST_FAULTS: usize = 100_000;
 
 impl<'a> Listing<'a> {
     /// Takes a file apart. Blocks with a slash vanish when block delete is on.
@@ -101,13 +103,16 @@ impl<'a> Listing<'a> {
             open: klartext::Open::default(),
         };
         let marks = listing.percent_lines(refuse)?;
-        listing.between = (
-            marks.first().map_or(0, |mark| mark.number),
-            marks.get(1).map_or(usize::MAX, |mark| mark.number),
-        );
-        for (line, text) in lines(source) {
-            if line.number > listing.between.0 && line.number < listing.between.1 {
-                listing.line(line, text, reading, refuse)?;
+        let number = |k: usize, none| marks.get(k).map_or(none, |mark| mark.number);
+        let (first, last) = (number(0, 0), number(1, usize::MAX));
+        listing.between = (first, last);
+        let mut faults = 0;
+        for (line, text) in lines(source).skip(first).take_while(|(line, _)| line.number < last) {
+            faults += usize::from(listing.line(line, text, reading, refuse)?);
+            if faults > MOST_FAULTS {
+                let fault = Fault::line(format!("more than {MOST_FAULTS} lines cannot be read"))
+                    .hint("is this a program, and is `dialect` of the machine file that of its control?");
+                return Err(listing.locate(line, fault));
             }
         }
         if listing.sections.is_empty() {
@@ -218,16 +223,16 @@ impl<'a> Listing<'a> {
         Ok(marks)
     }
 
-    /// Takes one line apart; of a faulty one the words that could be read are kept.
+    /// Takes one line apart, and says whether it is faulty; of such a one the words that could be read are kept.
     fn line(
         &mut self,
         line: Line,
         text: &'a str,
         reading: &Reading,
         refuse: &mut Refuse<'_>,
-    ) -> Result<()> {
-        if text.trim().is_empty() {
-            return Ok(());
+    ) -> Result<bool> {
+        if text.trim_start().is_empty() {
+            return Ok(false);
         }
         let (words, labels) = (self.words.len(), self.labels.len());
         let mut number = None;
@@ -237,7 +242,7 @@ impl<'a> Listing<'a> {
             Ok(false) => {
                 self.words.truncate(words);
                 self.labels.truncate(labels);
-                return Ok(());
+                return Ok(false);
             }
             Err(fault) => {
                 refuse(self.locate(line, fault))?;
@@ -251,7 +256,7 @@ impl<'a> Listing<'a> {
         if self.words.len() > words || label > 0 || faulty {
             self.blocks.push(Block { line, words: words..self.words.len(), label, faulty });
         }
-        Ok(())
+        Ok(faulty)
     }
 
     /// Adds the words and comments of a line; false when block delete skips it. What stands behind a

@@ -46,6 +46,31 @@ fn nothing_is_wrong_with_the_unbroken_program() {
 }
 
 #[test]
+fn a_program_that_is_wrong_all_along_is_not_followed_to_its_end() {
+    // Past the workpiece ball and back, a million times.
+    let calls =
+        "G91 F100.\nM98 P2 L600\nM30\nO0002\nM98 P3 L900\nM99\nO0003\nG01 X1.\nX-1.\nM99\n%\n";
+    let (start, _) = BASE.split_once("G01").unwrap();
+    let source = format!("{start}G00 X0. Y0. Z0.\n{calls}");
+    let checked = checked(&source, &machine(), &sphere());
+    let whats: Vec<_> = checked.findings.iter().map(|found| found.error.what.as_str()).collect();
+    assert!(whats.iter().any(|what| what.contains("nearer than the bar is short")), "{whats:?}");
+    let last = "more than 100000 errors: not all of the program was looked at";
+    assert_eq!(whats.last(), Some(&last));
+    assert!((100_001..200_000).contains(&checked.count(Severity::Error)));
+}
+
+#[test]
+fn a_text_of_another_control_is_no_program_after_so_many_lines() {
+    let machine = machine();
+    let error =
+        nc::check(&"?\n".repeat(200_000), "O1.nc".as_ref(), &machine, &reading(&machine), None);
+    let told = error.unwrap_err().to_string();
+    assert!(told.contains("more than 100000 lines cannot be read"), "{told}");
+    assert!(told.contains("`dialect`"), "{told}");
+}
+
+#[test]
 fn every_kind_of_broken_program_is_found_in_the_right_block() {
     let (machine, sphere) = (machine(), sphere());
     let mut wrong = Vec::new();

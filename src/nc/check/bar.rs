@@ -55,6 +55,9 @@ pub(super) fn check(
             walk.mark(mark);
         }
         walk.step(step);
+        if walk.findings.are_too_many() {
+            return;
+        }
     }
     walk.end();
     walk.starts(ran);

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use crate::error::Error;
+use crate::nc::listing::Listing;
 
 /// How bad a finding is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,7 +60,12 @@ pub(super) struct Findings {
     kinds: BTreeMap<&'static str, BTreeMap<String, Kind>>,
     /// Room for a wording without figures.
     wording: String,
+    /// Errors, told or counted.
+    errors: usize,
 }
+
+/// What has more errors is wrong as a whole, and is not followed to its end.
+const MOST_ERRORS: usize = 100_000;
 
 /// Findings that differ in figures at the most.
 #[derive(Debug, Default)]
@@ -71,18 +77,17 @@ struct Kind {
 
 impl Findings {
     pub(super) fn error(&mut self, rule: &'static str, error: Error) {
-        if self.is_told(rule, &error.what) {
-            self.push(Severity::Error, rule, error);
-        }
+        self.error_of(rule, error.what.clone(), |_| error);
     }
 
-    /// The same, where millions of blocks may have it: of what is only counted, no error is made.
+    /// The same, where many blocks may have it: of what is only counted, no error is made.
     pub(super) fn error_of(
         &mut self,
         rule: &'static str,
         what: String,
         error: impl FnOnce(String) -> Error,
     ) {
+        self.errors += 1;
         if self.is_told(rule, &what) {
             self.push(Severity::Error, rule, error(what));
         }
@@ -92,6 +97,11 @@ impl Findings {
         if self.is_told(rule, &error.what) {
             self.push(Severity::Warning, rule, error);
         }
+    }
+
+    /// Whether there are so many errors that more of them tell nothing.
+    pub(super) fn are_too_many(&self) -> bool {
+        self.errors > MOST_ERRORS
     }
 
     /// Counts a finding, and says whether it is one of those that are told each by itself.
@@ -119,7 +129,15 @@ impl Findings {
     }
 
     /// In the order of the file; what concerns the whole file comes last.
-    pub(super) fn sorted(mut self) -> Vec<Finding> {
+    pub(super) fn sorted(mut self, listing: &Listing) -> Vec<Finding> {
+        if self.are_too_many() {
+            let what =
+                format!("more than {MOST_ERRORS} errors: not all of the program was looked at");
+            self.error(
+                "errors",
+                listing.whole(what).hint("correct the first ones and check again"),
+            );
+        }
         self.list.sort_by_key(|finding| match &finding.error.place {
             Some(place) if place.line > 0 => (place.line, place.column),
             _ => (usize::MAX, 0),

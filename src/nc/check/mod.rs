@@ -115,7 +115,7 @@ pub fn check(
         bar::check(&listing, &ran, machine, sphere, &mut findings);
     }
     Ok(Checked {
-        findings: findings.sorted(),
+        findings: findings.sorted(&listing),
         blocks: listing.blocks.len(),
         program: Program {
             file: file.to_path_buf(),

@@ -20,6 +20,9 @@ pub(super) fn check(
     let mut extent = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
     let mut first = true;
     for step in &ran.steps {
+        if findings.are_too_many() {
+            return;
+        }
         let Action::Move(motion) = &step.action else { continue };
         // No move led to the start of the first one: the positioning from wherever the machine stood.
         if std::mem::take(&mut first) {

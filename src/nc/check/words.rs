@@ -22,6 +22,9 @@ pub(super) fn check(
     let grammar = Grammar::of(controller.dialect);
     let mut inch = false;
     for block in &listing.blocks {
+        if findings.are_too_many() {
+            return;
+        }
         let words = listing.words(block);
         let g =
             |code: u32| words.iter().any(|word| word.letter == b'G' && word.whole() == Some(code));
