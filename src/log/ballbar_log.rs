@@ -7,7 +7,7 @@ use std::path::Path;
 
 use super::b5r::{BallbarFile, BarRun, FEWEST_READINGS};
 use super::ballbar_feed;
-use super::by_angle::{Angles, ByAngle, Said, Turn, circularity};
+use super::by_angle::{Angles, ByAngle, Said, Turn, circularities};
 use super::day;
 use super::listed::{Listed, listed};
 use super::reading::{Log, Reading};
@@ -81,15 +81,17 @@ pub(super) fn as_log(found: &BallbarFile, file: &Path, format: &Format) -> Resul
             readings: from..readings.len(),
             angles: Angles::Even(arc_deg.to_radians()),
         });
-        let Some((own_mm, stated_mm)) = circularities_mm(run, unit, arc_deg)? else { continue };
-        if is_same(own_mm, stated_mm) {
+        let Some(round) = Round::of(run, unit, arc_deg)? else { continue };
+        if round.is_as_stated() {
             continue;
         }
+        let [least_squares_mm, minimum_zone_mm] = round.own_mm;
         let told = format!(
-            "run {} is {:.1} um round as Ballbar 20 says, and its readings are {:.1} um round, in {} over {arc_deg} degrees",
+            "run {} is {:.1} um round as Ballbar 20 says, and its readings are {:.1} um round by least squares and {:.1} by minimum zone, in {} over {arc_deg} degrees",
             index + 1,
-            1e3 * stated_mm,
-            1e3 * own_mm,
+            1e3 * round.stated_mm,
+            1e3 * least_squares_mm,
+            1e3 * minimum_zone_mm,
             unit.name()
         );
         if format.stated_unit.is_none() || format.data_arc_deg.is_none() {
@@ -176,9 +178,7 @@ fn short(words: Option<&String>) -> Option<String> {
 fn unit_of(found: &BallbarFile, arc_deg: f64) -> Result<LengthUnit> {
     for unit in [LengthUnit::Millimetre, LengthUnit::Micrometre] {
         for run in &found.runs {
-            if circularities_mm(run, unit, arc_deg)?
-                .is_some_and(|(own, stated)| is_same(own, stated))
-            {
+            if Round::of(run, unit, arc_deg)?.is_some_and(|round| round.is_as_stated()) {
                 return Ok(unit);
             }
         }
@@ -188,18 +188,31 @@ fn unit_of(found: &BallbarFile, arc_deg: f64) -> Result<LengthUnit> {
     Ok(if largest <= LARGEST_MM { LengthUnit::Millimetre } else { LengthUnit::Micrometre })
 }
 
-/// Of a run's readings and as the file has it, mm; `None` where it says none.
-pub(super) fn circularities_mm(
-    run: &BarRun,
-    unit: LengthUnit,
-    arc_deg: f64,
-) -> Result<Option<(f64, f64)>> {
-    let Some(stated_mm) = run.feature("AF_CIRCULARITY", "UT_LENGTH_MM") else { return Ok(None) };
-    Ok(Some((unit.to_mm(circularity(&run.readings, arc_deg.to_radians())?), stated_mm)))
+/// How round a run is, of its readings and as the file has it.
+struct Round {
+    /// By least squares and by minimum zone: which of them Ballbar 20 takes is written nowhere.
+    own_mm: [f64; 2],
+    stated_mm: f64,
 }
 
-fn is_same(own_mm: f64, stated_mm: f64) -> bool {
-    (own_mm - stated_mm).abs() <= SAME_SHARE * stated_mm.abs() + SAME_MM
+impl Round {
+    /// `None` where the file says none.
+    fn of(run: &BarRun, unit: LengthUnit, arc_deg: f64) -> Result<Option<Self>> {
+        let Some(stated_mm) = run.feature("AF_CIRCULARITY", "UT_LENGTH_MM") else {
+            return Ok(None);
+        };
+        if run.readings.iter().all(Option::is_none) {
+            return Ok(None);
+        }
+        let own = circularities(&run.readings, arc_deg.to_radians())?;
+        Ok(Some(Self { own_mm: own.map(|own| unit.to_mm(own)), stated_mm }))
+    }
+
+    fn is_as_stated(&self) -> bool {
+        let stated_mm = self.stated_mm;
+        let most_mm = SAME_SHARE * stated_mm.abs() + SAME_MM;
+        self.own_mm.iter().any(|own_mm| (own_mm - stated_mm).abs() <= most_mm)
+    }
 }
 
 /// The axes of a plane, in the order in which G17, G18 and G19 count their angles.

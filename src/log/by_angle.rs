@@ -6,7 +6,7 @@ use std::ops::Range;
 use jiff::civil::Date;
 
 use crate::error::Result;
-use crate::solve::{Truncation, Tsqr, solve};
+use crate::solve::{dot, minimax};
 
 /// What a log by angle says beside its readings.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,23 +54,22 @@ pub enum Angles {
     Even(f64),
 }
 
-/// Circularity of readings that stand evenly over an arc, as Ballbar 20 computes it, in the unit of the readings: the width of
-/// what is left of them when the circle through them, by least squares, is taken off.
-pub(super) fn circularity(readings: &[Option<f64>], span_rad: f64) -> Result<f64> {
+/// Circularities of readings that stand evenly over an arc, in the unit of the readings: the range of what is left when the circle
+/// by least squares is taken off, and the minimum zone, the least that any circle leaves. On a part of a circle the first may be a
+/// quarter larger. ISO 230-4 defines the second and lets the first be used for it.
+pub(super) fn circularities(readings: &[Option<f64>], span_rad: f64) -> Result<[f64; 2]> {
     let count = readings.len() as f64;
-    let angle = |k: usize| span_rad * ((k as f64 + 0.5) / count - 0.5);
-    let mut rows = Tsqr::new(3);
-    let read =
-        || readings.iter().enumerate().filter_map(|(k, reading)| Some((angle(k), (*reading)?)));
-    for (angle, reading) in read() {
-        rows.push_weighted(&[1.0, angle.cos(), angle.sin()], reading, 1.0);
-    }
-    let solution = solve(&rows.finish()?, Truncation::Relative(1e-12))?;
-    let [radius, x, y] = [solution.x()[0], solution.x()[1], solution.x()[2]];
-    let left = read().map(|(angle, reading)| reading - radius - x * angle.cos() - y * angle.sin());
+    let row = |k: usize| {
+        let (sin, cos) = (span_rad * ((k as f64 + 0.5) / count - 0.5)).sin_cos();
+        [1.0, cos, sin]
+    };
+    let (rows, read): (Vec<_>, Vec<_>) =
+        readings.iter().enumerate().filter_map(|(k, reading)| Some((row(k), (*reading)?))).unzip();
+    let fit = minimax(&rows, &read)?;
+    let left = rows.iter().zip(&read).map(|(row, read)| read - dot(row, &fit.least_squares));
     let [low, high] = left
         .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], of| [low.min(of), high.max(of)]);
-    Ok(high - low)
+    Ok([high - low, 2.0 * fit.deviation])
 }
 
 /// Arcs of readings that all stand by rising angle, degrees, each at most a full turn: where the angle comes back to its first the next
