@@ -3,6 +3,7 @@
 //! The file says neither the unit of its readings nor the arc that they stand on. Both are taken where the circularity that comes
 //! of them is the one that the file states; where it is not, nothing is guessed.
 
+use std::fmt;
 use std::path::Path;
 
 use super::b5r::{BallbarFile, BarRun, FEWEST_READINGS};
@@ -85,15 +86,8 @@ pub(super) fn as_log(found: &BallbarFile, file: &Path, format: &Format) -> Resul
         if round.is_as_stated() {
             continue;
         }
-        let [least_squares_mm, minimum_zone_mm] = round.own_mm;
-        let told = format!(
-            "run {} is {:.1} um round as Ballbar 20 says, and its readings are {:.1} um round by least squares and {:.1} by minimum zone, in {} over {arc_deg} degrees",
-            index + 1,
-            1e3 * round.stated_mm,
-            1e3 * least_squares_mm,
-            1e3 * minimum_zone_mm,
-            unit.name()
-        );
+        let told =
+            format!("run {} is {round}, in {} over {arc_deg} degrees", index + 1, unit.name());
         if format.stated_unit.is_none() || format.data_arc_deg.is_none() {
             return refused(
                 told,
@@ -212,6 +206,17 @@ impl Round {
         let stated_mm = self.stated_mm;
         let most_mm = SAME_SHARE * stated_mm.abs() + SAME_MM;
         self.own_mm.iter().any(|own_mm| (own_mm - stated_mm).abs() <= most_mm)
+    }
+}
+
+impl fmt::Display for Round {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [least_squares_um, minimum_zone_um] = self.own_mm.map(|mm| 1e3 * mm);
+        let stated_um = 1e3 * self.stated_mm;
+        write!(
+            f,
+            "{stated_um:.1} um round as Ballbar 20 says, and its readings are {least_squares_um:.1} um round by least squares and {minimum_zone_um:.1} by minimum zone"
+        )
     }
 }
 
