@@ -66,8 +66,8 @@ pub(crate) struct Listing<'a> {
 
 /// A larger program is refused before it is taken apart, which takes ten times the memory.
 const LARGEST_BYTES: usize = 64 << 20;
-/// So many lines that cannot be read are told, counted with others; what has more is no program of this control.
-const MOST_FAULTS: usize = 100_000;
+/// A program with more faults than this is wrong as a whole: it is read, or checked, no further.
+pub(crate) const MOST_FAULTS: usize = 100_000;
 
 impl<'a> Listing<'a> {
     /// Takes a file apart. Blocks with a slash vanish when block delete is on.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use crate::error::Error;
-use crate::nc::listing::Listing;
+use crate::nc::listing::{Listing, MOST_FAULTS};
 
 /// How bad a finding is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,9 +64,6 @@ pub(super) struct Findings {
     errors: usize,
 }
 
-/// What has more errors is wrong as a whole, and is not followed to its end.
-const MOST_ERRORS: usize = 100_000;
-
 /// Findings that differ in figures at the most.
 #[derive(Debug, Default)]
 struct Kind {
@@ -77,7 +74,10 @@ struct Kind {
 
 impl Findings {
     pub(super) fn error(&mut self, rule: &'static str, error: Error) {
-        self.error_of(rule, error.what.clone(), |_| error);
+        self.errors += 1;
+        if self.is_told(rule, &error.what) {
+            self.push(Severity::Error, rule, error);
+        }
     }
 
     /// The same, where many blocks may have it: of what is only counted, no error is made.
@@ -101,7 +101,7 @@ impl Findings {
 
     /// Whether there are so many errors that more of them tell nothing.
     pub(super) fn are_too_many(&self) -> bool {
-        self.errors > MOST_ERRORS
+        self.errors > MOST_FAULTS
     }
 
     /// Counts a finding, and says whether it is one of those that are told each by itself.
@@ -132,7 +132,7 @@ impl Findings {
     pub(super) fn sorted(mut self, listing: &Listing) -> Vec<Finding> {
         if self.are_too_many() {
             let what =
-                format!("more than {MOST_ERRORS} errors: not all of the program was looked at");
+                format!("more than {MOST_FAULTS} errors: not all of the program was looked at");
             self.error(
                 "errors",
                 listing.whole(what).hint("correct the first ones and check again"),
