@@ -108,12 +108,17 @@ pub struct Alignment {
 impl Alignment {
     /// The readings, in a fast log their means, where the time map, as it is now, lays them.
     pub fn samples(&self) -> Vec<Sample> {
-        self.laid(self.windows.iter().copied(), self.averaged > 1)
+        self.samples_by(&self.following(0.0))
+    }
+
+    /// The same, by how slides [follow](Self::following) as the time map is now.
+    pub fn samples_by(&self, following: &Following) -> Vec<Sample> {
+        self.laid(self.windows.iter().copied(), self.averaged > 1, following)
     }
 
     /// Every reading where the time map, as it is now, lays it.
     pub fn every_reading(&self) -> Vec<Sample> {
-        self.laid(self.engaged.readings(&self.slips), false)
+        self.laid(self.engaged.readings(&self.slips), false, &self.following(0.0))
     }
 
     /// In what parts of the program readings were cut off while the bar was engaged.
@@ -121,14 +126,14 @@ impl Alignment {
         let engaged = |program_s: f64| {
             self.engagements.iter().any(|e| (e.start_s..=e.end_s).contains(&program_s))
         };
-        let laid = self.laid(self.clipped.iter().copied(), false).into_iter();
+        let laid = self.laid_clipped().into_iter();
         laid.filter(move |sample| engaged(sample.program_s)).map(|sample| sample.part)
     }
 
     /// The values that readings on arcs were cut off at, mm, each with how many.
     pub fn cut_off(&self) -> Vec<(f64, usize)> {
         let mut cut_mm: Vec<f64> = self
-            .laid(self.clipped.iter().copied(), false)
+            .laid_clipped()
             .into_iter()
             .filter(|sample| matches!(sample.part, Part::Arc(_)))
             .map(|sample| sample.deviation_mm)
@@ -138,18 +143,30 @@ impl Alignment {
         cut_mm.chunk_by(equal).map(|of| (of[0], of.len())).collect()
     }
 
+    /// Readings that were cut off where the time map lays them.
+    fn laid_clipped(&self) -> Vec<Sample> {
+        self.laid(self.clipped.iter().copied(), false, &self.following(0.0))
+    }
+
     /// Readings where the time map lays them, means of a window with the bow of the path in it taken off.
-    fn laid(&self, readings: impl Iterator<Item = Reading>, means: bool) -> Vec<Sample> {
+    fn laid(
+        &self,
+        readings: impl Iterator<Item = Reading>,
+        means: bool,
+        following: &Following,
+    ) -> Vec<Sample> {
         let (trajectory, time_map) = (&self.trajectory, &self.time_map);
-        let following = self.following(0.0);
         let averaged = if means { self.window() } else { Averaged::SINGLE };
         let mut samples = Vec::with_capacity(readings.size_hint().0);
+        // Of the reading before.
+        let mut near = 0;
         for Reading { time_s: log_s, deviation_mm, line } in readings {
             let Some(deviation_mm) = deviation_mm else { continue };
             let moment = time_map.at(log_s);
             // In a pause the senses are still those of the motion before it.
             let before_s = if moment.in_stop { 1e-6 } else { 0.0 };
-            let mut state = trajectory.at(moment.program_s - before_s);
+            let mut state = trajectory.at_near(moment.program_s - before_s, near);
+            near = state.block;
             let moves = state.velocity_mm_s.norm() > 1e-9;
             let part = if moment.in_stop {
                 Part::Stop
@@ -183,9 +200,9 @@ impl Alignment {
             let bow_mm = if !means || !moves || blur_s > 0.0 {
                 0.0
             } else if self.chord_sag_mm > 0.0 && matches!(part, Part::Arc(_)) {
-                self.bow_of_chords_mm(&following, moment.program_s, &state)
+                self.bow_of_chords_mm(following, moment.program_s, &state)
             } else {
-                self.bow_mm(&following, moment.program_s, state.block)
+                self.bow_mm(following, moment.program_s, state.block)
             };
             samples.push(Sample {
                 log_s,
@@ -275,7 +292,7 @@ impl Alignment {
     /// A sample of an arc as it would be a little later on its way, by how slides [follow](Self::following).
     pub fn later(&self, following: &Following, sample: &Sample, later_s: f64) -> Sample {
         let program_s = sample.program_s + later_s;
-        let state = self.trajectory.at(program_s);
+        let state = self.trajectory.at_near(program_s, sample.block);
         let late_s = self.time_map.delays_s - self.time_map.unlike_s();
         let late_mm = late_s.component_mul(&state.velocity_mm_s);
         let at_mm =

@@ -1,5 +1,7 @@
 //! Where chords and reversals of the program put a leg whose time is known coarsely.
 
+use nalgebra::Vector3;
+
 use super::input::RunInput;
 use super::record::Apart;
 use super::timing::{Detail, SMOOTH_S, TURNING_S, stride, view};
@@ -160,7 +162,8 @@ pub(super) fn doubts(
     };
     let misfit = |leg: usize, shift_s: f64| {
         let misfits = of_leg(leg).map(|sample| {
-            let state = run.alignment.trajectory.at(sample.program_s + shift_s);
+            let state =
+                run.alignment.trajectory.at_near(sample.program_s + shift_s, sample.block);
             let pose = Pose { position_mm: state.position_mm, sense: state.sense };
             let length_mm = model.length_mm(values, &pose, &sample.motion, run.mounting);
             (sample.deviation_mm - (length_mm - run.nominal_mm)).powi(2)
@@ -318,7 +321,7 @@ impl<'a> LegReadings<'a> {
             .iter()
             .map(|(sample, slow_mm)| {
                 let program_s = sample.program_s + shift_s;
-                let state = trajectory.at(program_s);
+                let state = trajectory.at_near(program_s, sample.block);
                 let mean_mm = |over_s: f64| alignment.mean_mm(sample.leg, program_s, over_s);
                 // A sample that is the mean of readings has the mean of the facets that went by.
                 let commanded_mm = if window_s > 0.0 {
@@ -328,10 +331,9 @@ impl<'a> LegReadings<'a> {
                 };
                 let facet_mm = commanded_mm - mean_mm(SMOOTH_S);
                 // With senses and steps of the path as they are at another time.
-                let left_mm = |then_s: f64| {
+                let left_mm = |then_s: f64, sense: Vector3<f64>| {
                     let left_mm =
                         slow_mm - alignment.steps_mm(sample.leg, sample.program_s, then_s);
-                    let sense = trajectory.at(then_s).sense;
                     if sense == sample.pose.sense {
                         return left_mm;
                     }
@@ -341,9 +343,12 @@ impl<'a> LegReadings<'a> {
                 let before = self.reversals_s.partition_point(|s| *s < program_s - zone_s);
                 let near = self.reversals_s.get(before).filter(|s| **s < program_s + zone_s);
                 let least_mm = match near {
-                    None => left_mm(program_s),
+                    None => left_mm(program_s, state.sense),
                     Some(&reversal_s) => {
-                        let sides = [-zone_s, zone_s].map(|aside_s| left_mm(program_s + aside_s));
+                        let sides = [-zone_s, zone_s].map(|aside_s| {
+                            let then_s = program_s + aside_s;
+                            left_mm(then_s, trajectory.at_near(then_s, state.block).sense)
+                        });
                         turning_mm(sides, program_s - reversal_s, window_s)
                     }
                 };

@@ -56,8 +56,8 @@ pub struct RunInput {
 impl RunInput {
     /// A run with its samples where its alignment lays them.
     pub fn new(name: String, mounting: usize, nominal_mm: f64, alignment: Alignment) -> Self {
-        let samples = alignment.samples();
         let following = [0.0, FOLLOWING_STEP_S].map(|longer_s| alignment.following(longer_s));
+        let samples = alignment.samples_by(&following[0]);
         let aligned = alignment.time_map.clone();
         Self { name, mounting, nominal_mm, alignment, aligned, number: 0, samples, following }
     }
@@ -83,8 +83,8 @@ impl RunInput {
 
     /// Lays the samples anew, after the time map has changed.
     pub(super) fn place(&mut self) {
-        self.samples = self.alignment.samples();
         self.following = [0.0, FOLLOWING_STEP_S].map(|longer_s| self.alignment.following(longer_s));
+        self.samples = self.alignment.samples_by(&self.following[0]);
         self.samples.iter_mut().for_each(|sample| sample.motion.run = self.number);
     }
 }

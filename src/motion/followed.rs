@@ -40,8 +40,8 @@ pub struct Followed {
 struct Piece {
     start_s: f64,
     block: usize,
-    /// Which phase of the block; `None` where it stands, at its end.
-    phase: Option<usize>,
+    /// The phase of the block, with when it begins (s) and how far along (mm); `None` where it stands, at its end.
+    phase: Option<(f64, f64, Phase)>,
     /// How far the slides are from `p` when it begins, mm; where `p` does not hold, where they are.
     from_mm: Vector3<f64>,
     /// By how much that grows with the time constant of each, mm/s.
@@ -73,9 +73,10 @@ impl Followed {
             followed.first.push(followed.pieces.len());
             let phases = block.motion.as_ref().map_or(0, |(_, profile)| profile.phase_count());
             for k in 0..phases {
-                let Some((into_s, _, phase)) = block.phase(k) else { continue };
+                let Some(in_block) = block.phase(k) else { continue };
+                let (into_s, _, phase) = in_block;
                 let span_s = [block.start_s + into_s, block.start_s + into_s + phase.duration_s];
-                followed.go_on(blocks, index, Some(k), span_s, &mut now);
+                followed.go_on(blocks, index, Some(in_block), span_s, &mut now);
             }
             if phases == 0 {
                 let end_s = block.start_s + block.duration_s;
@@ -95,7 +96,7 @@ impl Followed {
         &mut self,
         blocks: &[Block],
         block: usize,
-        phase: Option<usize>,
+        phase: Option<(f64, f64, Phase)>,
         [start_s, end_s]: [f64; 2],
         now: &mut [Vector3<f64>; 2],
     ) {
@@ -196,18 +197,14 @@ impl Followed {
 impl Piece {
     fn command(&self, blocks: &[Block], time_s: f64) -> Command {
         let block = &blocks[self.block];
-        let moves = self.phase.and_then(|k| {
-            let (motion, _) = block.motion.as_ref()?;
-            Some((motion, block.phase(k)?))
-        });
-        let Some((motion, (into_s, into_mm, phase))) = moves else {
+        let (Some(motion), Some((into_s, into_mm, phase))) = (block.motion(), &self.phase) else {
             let at_mm = block.position_mm(block.start_s + block.duration_s);
             let mut derivatives = [Vector3::zeros(); 4];
             derivatives[0] = at_mm;
             return Command { derivatives, turning: 0.0, uneven: false };
         };
         let since_s = (time_s - block.start_s - into_s).clamp(0.0, phase.duration_s);
-        Command::of(motion, block.length_mm, into_mm, &phase, since_s)
+        Command::of(motion, block.length_mm, *into_mm, phase, since_s)
     }
 }
 
