@@ -157,7 +157,8 @@ impl Problem {
             let (sample, mounting) = (&reading.sample, self.mountings[reading.run]);
             let (pose, motion) = (&sample.pose, &sample.motion);
             let situation = if self.bent {
-                model.situation_bent(parameters, pose, motion, mounting)
+                let errors = model.errors(parameters, pose, motion, mounting);
+                model.situation_bent(&errors, pose, motion, mounting)
             } else {
                 model.situation(pose, motion, mounting)
             };

@@ -85,7 +85,7 @@ impl Fit<'_> {
         let run = &self.runs[index];
         let (pose, motion) = (&sample.pose, &sample.motion);
         let situation = if self.state.bent {
-            self.model.situation_bent(&self.state.values, pose, motion, run.mounting)
+            self.model.situation_bent(&view.errors, pose, motion, run.mounting)
         } else {
             self.model.situation(pose, motion, run.mounting)
         };

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::input::{FOLLOWING_STEP_S, RunInput};
 use super::state::Taking;
 use crate::align::{Following, Sample};
-use crate::machine::Pose;
+use crate::machine::{ChainErrors, Pose};
 use crate::model::Model;
 
 /// Over this long the path counts in its mean while times are known to a second, s.
@@ -71,6 +71,8 @@ pub(super) struct View {
     /// Change of the predicted deviation with the share by which the time constant of each slide is longer, its delay not counted,
     /// mm.
     pub(super) longer_mm: Vector3<f64>,
+    /// What bends the chain there.
+    pub(super) errors: ChainErrors,
 }
 
 /// Within which time constant the slides plausibly follow, s.
@@ -104,8 +106,9 @@ pub(super) fn view(
     let velocity_mm_s = &sample.motion.velocity_mm_s;
     let late_mm = (map.delays_s - map.unlike_s()).component_mul(velocity_mm_s);
     // What the errors make of the length between the balls.
-    let errs_mm = |pose: &Pose| {
-        let length_mm = model.length_mm(values, pose, &sample.motion, run.mounting);
+    let bent = |pose: &Pose| model.errors(values, pose, &sample.motion, run.mounting);
+    let errs_mm = |pose: &Pose, errors: &ChainErrors| {
+        let length_mm = model.bent_length_mm(values, errors, pose, &sample.motion, run.mounting);
         length_mm - (pose.position_mm - coincidence_mm).norm()
     };
     let length_mm = |position_mm: &Vector3<f64>| (position_mm - coincidence_mm).norm();
@@ -145,12 +148,14 @@ pub(super) fn view(
         Pose { position_mm, sense: sample.pose.sense }
     };
     let (before, after) = (beside(before_s), beside(after_s));
-    let here_mm = errs_mm(&sample.pose);
+    let errors = bent(&sample.pose);
+    let here_mm = errs_mm(&sample.pose, &errors);
+    let errs_there_mm = |pose: &Pose| errs_mm(pose, &bent(pose));
     // Errors are smooth over some milliseconds, and the path with its vertices is not.
     let errs_grow_mm = if step_s <= STEP_S {
-        2.0 * (errs_mm(&after) - here_mm)
+        2.0 * (errs_there_mm(&after) - here_mm)
     } else {
-        errs_mm(&after) - errs_mm(&before)
+        errs_there_mm(&after) - errs_there_mm(&before)
     };
     let grows_mm = errs_grow_mm + commanded_mm(after_s, &after.position_mm)
         - commanded_mm(before_s, &before.position_mm);
@@ -189,5 +194,6 @@ pub(super) fn view(
         delayed_mm_s,
         longer_mm,
         speed_mm_s: grows_mm / (2.0 * step_s),
+        errors,
     }
 }

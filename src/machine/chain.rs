@@ -62,10 +62,8 @@ impl SlideError {
 
     /// The axes about which a little more of `EAH, EBH, ECH` turns: `Rz Ry x, Rz y, z`.
     fn axes(&self) -> Matrix3<f64> {
-        let [_, b, c] = self.rotation_rad.into();
-        let (y, z) =
-            (Rotation3::from_euler_angles(0.0, b, c), Rotation3::from_euler_angles(0.0, 0.0, c));
-        Matrix3::from_columns(&[y * Vector3::x(), z * Vector3::y(), Vector3::z()])
+        let [_, (sb, cb), (sc, cc)] = <[f64; 3]>::from(self.rotation_rad).map(sin_cos);
+        Matrix3::new(cb * cc, -sc, 0.0, cb * sc, cc, 0.0, -sb, 0.0, 1.0)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Terms, and the model that they make together.
 
 use std::fmt::Debug;
+use std::ops::Range;
 
 use nalgebra::Vector3;
 
@@ -204,6 +205,8 @@ pub struct Model<'a> {
     machine: &'a Machine,
     mountings: Vec<Mounting>,
     terms: Vec<Box<dyn Term>>,
+    /// Index of the first parameter of each term, and behind the last one.
+    first: Vec<usize>,
     parameters: Vec<Parameter>,
     holds: bool,
 }
@@ -213,7 +216,17 @@ impl<'a> Model<'a> {
     pub fn new(machine: &'a Machine, mountings: Vec<Mounting>, terms: Vec<Box<dyn Term>>) -> Self {
         let parameters = terms.iter().flat_map(|term| term.parameters()).collect();
         let holds = terms.iter().any(|term| term.holds());
-        Self { machine, mountings, terms, parameters, holds }
+        let mut first = vec![0];
+        for term in &terms {
+            first.push(first[first.len() - 1] + term.parameter_count());
+        }
+        Self { machine, mountings, terms, first, parameters, holds }
+    }
+
+    /// The terms, each with where its parameters are.
+    fn terms(&self) -> impl Iterator<Item = (&dyn Term, Range<usize>)> {
+        let spans = self.first.windows(2).map(|two| two[0]..two[1]);
+        self.terms.iter().map(AsRef::as_ref).zip(spans)
     }
 
     /// What the columns are, in order.
@@ -233,11 +246,8 @@ impl<'a> Model<'a> {
 
     /// One row of the projected Jacobian: `d rho / d parameter`, mm per unit of the parameter.
     pub fn row(&self, at: &Situation, out: &mut [f64]) {
-        let mut column = 0;
-        for term in &self.terms {
-            let next = column + term.parameter_count();
-            term.columns(at, &mut out[column..next]);
-            column = next;
+        for (term, own) in self.terms() {
+            term.columns(at, &mut out[own]);
         }
     }
 
@@ -250,33 +260,47 @@ impl<'a> Model<'a> {
         mounting: usize,
     ) -> ChainErrors {
         let mut errors = ChainErrors::zero();
-        let mut column = 0;
-        for term in &self.terms {
-            let next = column + term.parameter_count();
-            term.bend(&values[column..next], pose, motion, mounting, &mut errors);
-            column = next;
+        for (term, own) in self.terms() {
+            term.bend(&values[own], pose, motion, mounting, &mut errors);
         }
         errors
     }
 
     /// Length between the balls through the exact chain, mm.
     pub fn length_mm(&self, values: &[f64], pose: &Pose, motion: &Motion, mounting: usize) -> f64 {
+        let errors = if self.is_perfect(values) {
+            ChainErrors::zero()
+        } else {
+            self.errors(values, pose, motion, mounting)
+        };
+        self.bent_length_mm(values, &errors, pose, motion, mounting)
+    }
+
+    /// Whether nothing bends the chain, nor lengthens the bar, at any pose.
+    fn is_perfect(&self, values: &[f64]) -> bool {
+        !self.holds && values.iter().all(|value| *value == 0.0)
+    }
+
+    /// The same of a chain that is bent so: by what [`Self::errors`] says of these values at this pose.
+    pub fn bent_length_mm(
+        &self,
+        values: &[f64],
+        errors: &ChainErrors,
+        pose: &Pose,
+        motion: &Motion,
+        mounting: usize,
+    ) -> f64 {
         // A perfect machine puts the balls where the inverse kinematics say.
-        if !self.holds && values.iter().all(|value| *value == 0.0) {
+        if self.is_perfect(values) {
             return (pose.position_mm - self.mountings[mounting].coincidence_mm).norm();
         }
-        let errors = self.errors(values, pose, motion, mounting);
         let ball_mm =
-            self.machine.ball_vector_mm(&self.mountings[mounting], &pose.position_mm, &errors);
+            self.machine.ball_vector_mm(&self.mountings[mounting], &pose.position_mm, errors);
         let length_mm = ball_mm.norm();
         let direction = ball_mm / length_mm.max(f64::MIN_POSITIVE);
-        let mut column = 0;
-        let longer = self.terms.iter().map(|term| {
-            let next = column + term.parameter_count();
-            let of = &values[column..next];
-            column = next;
-            term.lengthen(of, pose, motion, mounting, &direction)
-        });
+        let longer = self
+            .terms()
+            .map(|(term, own)| term.lengthen(&values[own], pose, motion, mounting, &direction));
         length_mm + longer.sum::<f64>()
     }
 
@@ -290,18 +314,17 @@ impl<'a> Model<'a> {
         Situation { motion: *motion, ..at }
     }
 
-    /// The situation at a pose of the machine that these values describe: its row is the derivative of
-    /// [`Self::length_mm`] there.
+    /// The situation at a pose of the machine that is bent so by some values, as [`Self::errors`] says: its row is the
+    /// derivative of [`Self::length_mm`] there.
     pub fn situation_bent(
         &self,
-        values: &[f64],
+        errors: &ChainErrors,
         pose: &Pose,
         motion: &Motion,
         mounting: usize,
     ) -> Situation {
-        let errors = self.errors(values, pose, motion, mounting);
         let balls = &self.mountings[mounting];
-        match Situation::bent(self.machine, balls, mounting, pose, &errors) {
+        match Situation::bent(self.machine, balls, mounting, pose, errors) {
             Some(at) => Situation { motion: *motion, ..at },
             None => self.situation(pose, motion, mounting),
         }

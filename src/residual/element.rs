@@ -152,6 +152,14 @@ impl Element {
             && number < inner.part_of_fastest * of_axis(&residuals.fastest_mm_s)
     }
 
+    /// How many amplitudes apart two of it act on a common sample: the hat of a curve touches its neighbours alone.
+    pub(super) fn reach(&self) -> usize {
+        match self.form {
+            Form::Cause(_) => usize::MAX,
+            Form::Empirical(_) => 1,
+        }
+    }
+
     /// What it is in one run.
     pub fn in_run(&self, repeat: usize, run: usize) -> Form {
         match &self.form {

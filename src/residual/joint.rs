@@ -65,7 +65,7 @@ pub fn fit_to(beside: &Beside, elements: Vec<Element>, repeats: &[bool]) -> Opti
             }
             first += own.len();
         }
-        system.push(beside, inside);
+        system.push(beside, inside, usize::MAX);
         let (normal, common) = system.part(system.columns.len());
         let cholesky = Cholesky::of(&normal)?;
         let step = cholesky.solve(common);
@@ -90,8 +90,8 @@ fn system(beside: &Beside, elements: &[Element], repeats: &[bool]) -> (System, V
     }
     let counts = of_elements.iter().map(Vec::len).collect();
     let mut system = System::default();
-    for columns in of_elements {
-        system.push_element(beside, columns);
+    for (element, columns) in elements.iter().zip(of_elements) {
+        system.push_element(beside, element, columns);
     }
     (system, counts)
 }

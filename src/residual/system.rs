@@ -45,7 +45,7 @@ impl System {
     /// The columns of an element, beside what is accepted.
     pub fn of(beside: &Beside, element: &Element) -> Self {
         let mut system = Self::default();
-        system.push_element(beside, element.columns(beside.residuals));
+        system.push_element(beside, element, element.columns(beside.residuals));
         system
     }
 
@@ -63,7 +63,7 @@ impl System {
 
     /// Adds the columns of an element. Of one with many amplitudes the readings may decide a few; the others are held by
     /// what is plausible.
-    pub(super) fn push_element(&mut self, beside: &Beside, columns: Vec<Column>) {
+    pub(super) fn push_element(&mut self, beside: &Beside, of: &Element, columns: Vec<Column>) {
         if columns.len() > DECIDED_AT_ONCE {
             // Neighbours, because what is left as a whole may hold the very effect.
             let prior = beside.noise().neighbours_mm2 / (PLAUSIBLE * PLAUSIBLE);
@@ -71,11 +71,11 @@ impl System {
             priors.resize(self.columns.len(), 0.0);
             priors.resize(self.columns.len() + columns.len(), prior);
         }
-        self.push(beside, columns);
+        self.push(beside, columns, of.reach());
     }
 
-    /// Adds columns.
-    pub(super) fn push(&mut self, beside: &Beside, columns: Vec<Column>) {
+    /// Adds columns; those of them that are farther than this from each other have no sample in common.
+    pub(super) fn push(&mut self, beside: &Beside, columns: Vec<Column>, reach: usize) {
         let first = self.columns.len();
         let along = along(beside.residuals, &columns);
         for (column, along) in columns.into_iter().zip(along) {
@@ -88,9 +88,11 @@ impl System {
         let mut normal = Matrix::zeros(n, n);
         for i in 0..n {
             if i >= first {
-                let before = self.columns[..=i].iter();
-                let products = before.map(|other| self.columns[i].product(other)).collect();
-                self.anywhere.products.push(products);
+                let product = |k: usize| {
+                    let apart = k >= first && i - k > reach;
+                    if apart { 0.0 } else { self.columns[i].product(&self.columns[k]) }
+                };
+                self.anywhere.products.push((0..=i).map(product).collect());
             }
             for k in 0..=i {
                 normal[(i, k)] = if i < first {
