@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use nalgebra::Vector3;
+use rayon::prelude::*;
 
 use super::engaged::{Engaged, Slip};
 use super::engagement::Engagement;
@@ -20,6 +21,9 @@ use crate::motion::{Reversals, State, Times, Trajectory};
 const HAIR_S: f64 = 1e-4;
 /// By no more than rounding it does not move, mm.
 const STANDS_MM: f64 = 1e-9;
+
+/// Readings that are laid one after the other; others are beside them.
+const AT_ONCE: usize = 1024;
 
 /// What part of the program a sample was taken in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -113,7 +117,10 @@ impl Alignment {
 
     /// The same, by how slides [follow](Self::following) as the time map is now.
     pub fn samples_by(&self, following: &Following) -> Vec<Sample> {
-        self.laid(self.windows.iter().copied(), self.averaged > 1, following)
+        let laid = |windows: &[Reading]| {
+            self.laid(windows.iter().copied(), self.averaged > 1, following)
+        };
+        self.windows.par_chunks(AT_ONCE).flat_map_iter(laid).collect()
     }
 
     /// Every reading where the time map, as it is now, lays it.

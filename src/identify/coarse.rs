@@ -36,8 +36,8 @@ impl Fit<'_> {
         let mut found = false;
         for run in &mut self.runs {
             found |= facets::find(self.model, &self.state.values, run, look);
-            run.place();
         }
+        self.place();
         found
     }
 
@@ -124,8 +124,8 @@ impl Fit<'_> {
         self.state = state;
         for (run, map) in self.runs.iter_mut().zip(maps) {
             run.alignment.time_map = map;
-            run.place();
         }
+        self.place();
     }
 
     /// Fits all. The better times along a leg are known, the more legs show their facets; none are looked for again

@@ -1,6 +1,7 @@
 //! Where chords and reversals of the program put a leg whose time is known coarsely.
 
 use nalgebra::Vector3;
+use rayon::prelude::*;
 
 use super::input::RunInput;
 use super::record::Apart;
@@ -78,7 +79,7 @@ pub(super) fn find(model: &Model, values: &[f64], run: &mut RunInput, look: Look
         let reach_s = (4.0 * sigma_s).clamp(5.0 * catch_s, FARTHEST_S);
         let step_s = (catch_s / STEPS_A_CATCH).max(reach_s / MOST_STEPS);
         let reach = (reach_s / step_s).ceil() as i32;
-        let shifts = (-reach..=reach).map(|k| f64::from(k) * step_s);
+        let shifts = (-reach..=reach).into_par_iter().map(|k| f64::from(k) * step_s);
         let misfits: Vec<(f64, Misfit)> =
             shifts.map(|shift_s| (shift_s, held.misfit(shift_s, visible))).collect();
         let left = misfits.iter().map(|(_, misfit)| misfit.steps - misfit.facets);

@@ -1,5 +1,7 @@
 //! The joint fit of coefficients and time maps.
 
+use rayon::prelude::*;
+
 use super::columns::Columns;
 use super::facets::Look;
 use super::input::{Options, RunInput};
@@ -265,8 +267,13 @@ impl<'a> Fit<'a> {
         for (index, run) in self.runs.iter_mut().enumerate() {
             let own = &covariance.own[index];
             self.columns.state_uncertainty(index, &mut run.alignment.time_map, own);
-            run.place();
         }
+        self.place();
+    }
+
+    /// Lays the samples of all runs anew, after their time maps have changed.
+    pub(super) fn place(&mut self) {
+        self.runs.par_iter_mut().for_each(RunInput::place);
     }
 
     /// Takes a step in coefficients and time maps.
@@ -299,8 +306,8 @@ impl<'a> Fit<'a> {
                 map.offsets_s[leg] += change_s.clamp(-3.0, 3.0);
             }
             self.columns.state_uncertainty(index, map, &covariance.own[index]);
-            run.place();
         }
+        self.place();
     }
 
     pub(super) fn refuse_deficient(&self, solution: &Solution) -> Result<()> {

@@ -14,6 +14,7 @@ use super::input::Options;
 use super::record::{Apart, Record};
 use super::result::{Identification, IdentifiedRun};
 use super::state::{State, Taking};
+use super::timing::Detail;
 use crate::align::{Alignment, Part, Sample};
 use crate::error::Result;
 use crate::model::{Model, Situation};
@@ -131,23 +132,23 @@ impl Identification {
         let mut last = None;
         let mut arcs = 0;
         for (index, run) in self.runs.iter().enumerate() {
-            let mut row = vec![0.0; fit.columns.own(index) + fit.columns.coefficients];
             let step = [&step.own[index][..], &step.shared].concat();
-            for (k, record) in run.records.iter().enumerate() {
-                let (None, Part::Arc(section)) = (fit.state.apart[index][k], record.sample.part)
-                else {
-                    continue;
-                };
+            let section = |k: usize| match (fit.state.apart[index][k], run.records[k].sample.part) {
+                (None, Part::Arc(section)) => Some(section),
+                _ => None,
+            };
+            let taken = (0..run.records.len()).filter(|k| section(*k).is_some()).collect();
+            fit.each_row(index, taken, Detail::Full, |k, row, residual_mm| {
+                let Some(section) = section(k) else { return };
                 if last.replace((index, section)) != Some((index, section)) {
                     arcs += 1;
                 }
+                let record = &run.records[k];
                 let sample = &record.sample;
-                let view = fit.view(&fit.runs[index], sample);
-                fit.fill_row(&mut row, index, sample, &view);
                 let root_weight = record.weight.sqrt();
-                follows.push_row(index, &row, root_weight / fit.state.counts_mm(), &mut q);
+                follows.push_row(index, row, root_weight / fit.state.counts_mm(), &mut q);
                 samples.push(LinearSample {
-                    left_mm: fit.residual_mm(index, &view) - dot(&row, &step),
+                    left_mm: residual_mm - dot(row, &step),
                     run: index,
                     arc: arcs - 1,
                     section,
@@ -157,7 +158,7 @@ impl Identification {
                     situation: model.situation(&sample.pose, &sample.motion, run.mounting),
                     root_weight,
                 });
-            }
+            });
         }
         let (factor, deviations) = follows.faults(&fit);
         let rank = follows.rank();

@@ -7,6 +7,7 @@
 use super::fit::Fit;
 use super::input::Options;
 use super::result::Identification;
+use super::timing::Detail;
 use crate::align::Sample;
 use crate::error::{Error, Kind, Result};
 use crate::model::Model;
@@ -220,20 +221,17 @@ impl Problem {
     fn take_readings(&mut self, fit: &Fit, index: usize, mut stretches: usize) -> usize {
         let run = &fit.runs[index];
         let own = fit.columns.own(index);
-        let mut row = vec![0.0; own + self.parameters];
         for stretch in fit.segments(index) {
-            for k in stretch {
-                let sample = run.samples()[k];
-                fit.fill_row(&mut row, index, &sample, &fit.view(run, &sample));
+            fit.each_row(index, stretch.collect(), Detail::Full, |k, row, _| {
                 self.about.push(About::Reading(stretches));
                 self.readings.push(Reading {
                     run: index,
-                    sample,
+                    sample: run.samples()[k],
                     nominal_mm: run.nominal_mm - run.alignment.time_map.cut_mm,
                     own: row[..own].to_vec(),
                     factor: fit.weight(index, k).sqrt() / fit.state.counts_mm(),
                 });
-            }
+            });
             stretches += 1;
         }
         stretches

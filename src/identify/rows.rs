@@ -15,6 +15,9 @@ pub const SEEN_UM: f64 = 25.0;
 /// See [`SEEN_UM`].
 const SEEN_SIGMAS: f64 = 3.0;
 
+/// Rows that are worked out before they are folded: few enough to be still at hand then.
+const AT_ONCE: usize = 512;
+
 impl Fit<'_> {
     /// Norms against which the column of a coefficient may vanish by cancellation: the longest of the same unit.
     pub(super) fn references(&self, rows: &Bordered) -> Vec<f64> {
@@ -35,17 +38,14 @@ impl Fit<'_> {
     /// One pass over the samples: rows of coefficients and time, in units of the noise.
     pub(super) fn factor(&self, detail: timing::Detail) -> Result<Bordered> {
         let blocks = self.fold_runs(&|index, rows| {
-            let run = &self.runs[index];
-            let mut row = vec![0.0; rows.columns()];
-            let (each, taken) = timing::standing_for(run.samples().len(), self.state.taking);
-            for k in taken.filter(|k| self.state.apart[index][*k].is_none()) {
-                let sample = &run.samples()[k];
+            let samples = self.runs[index].samples().len();
+            let (each, taken) = timing::standing_for(samples, self.state.taking);
+            let taken = taken.filter(|k| self.state.apart[index][*k].is_none()).collect();
+            self.each_row(index, taken, detail, |k, row, residual_mm| {
                 let weight = each as f64 * self.weight(index, k);
-                let view = timing::view(self.model, &self.state.values, run, sample, detail);
-                self.fill_row(&mut row, index, sample, &view);
-                let residual_mm = self.residual_mm(index, &view);
-                rows.push_weighted(&row, residual_mm, weight.sqrt() / self.state.counts_mm());
-            }
+                rows.push_weighted(row, residual_mm, weight.sqrt() / self.state.counts_mm());
+            });
+            let mut row = vec![0.0; rows.columns()];
             self.each_time_row(&mut row, index, |row, value, sigma| {
                 rows.push_weighted(row, value, 1.0 / sigma);
             });
@@ -55,6 +55,32 @@ impl Fit<'_> {
         })?;
         let own = (0..).map(|index| self.columns.own(index));
         Bordered::new(own.zip(blocks).collect(), self.plausible()?)
+    }
+
+    /// Calls back with each of some samples of a run, by their indices, one after the other: index, row, and what was
+    /// observed minus what is computed, mm. The rows themselves are worked out side by side.
+    pub(super) fn each_row(
+        &self,
+        index: usize,
+        taken: Vec<usize>,
+        detail: timing::Detail,
+        mut push: impl FnMut(usize, &[f64], f64),
+    ) {
+        let run = &self.runs[index];
+        let width = self.columns.own(index) + self.columns.coefficients;
+        let mut rows = vec![0.0; AT_ONCE.min(taken.len()) * width];
+        let mut residuals_mm = [0.0; AT_ONCE];
+        for batch in taken.chunks(AT_ONCE) {
+            let to = rows.par_chunks_exact_mut(width).zip(&mut residuals_mm);
+            to.zip(batch).with_min_len(AT_ONCE / 8).for_each(|((row, residual_mm), k)| {
+                let sample = &run.samples()[*k];
+                let view = timing::view(self.model, &self.state.values, run, sample, detail);
+                self.fill_row(row, index, sample, &view);
+                *residual_mm = self.residual_mm(index, &view);
+            });
+            let done = rows.chunks_exact(width).zip(&residuals_mm);
+            batch.iter().zip(done).for_each(|(k, (row, residual_mm))| push(*k, row, *residual_mm));
+        }
     }
 
     /// For how many readings and other rows those of [`Self::factor`] stand.
@@ -211,11 +237,6 @@ impl Fit<'_> {
             let delays_s = &self.runs[index].alignment.time_map.delays_s;
             view.residual_mm + view.delayed_mm_s.dot(delays_s)
         }
-    }
-
-    /// A sample as the fit sees it where all counts.
-    pub(super) fn view(&self, run: &RunInput, sample: &Sample) -> View {
-        timing::view(self.model, &self.state.values, run, sample, timing::Detail::Full)
     }
 
     /// Observed minus computed at every sample of every run, mm.

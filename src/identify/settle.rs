@@ -281,8 +281,8 @@ impl Fit<'_> {
         self.state.values.clone_from(&stand.values);
         for (run, map) in self.runs.iter_mut().zip(&stand.maps) {
             run.alignment.time_map.clone_from(map);
-            run.place();
         }
+        self.place();
     }
 
     /// The end of a round that has not quite come to rest: a smooth one only has to come near.

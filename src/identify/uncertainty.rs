@@ -7,6 +7,7 @@ use super::input::RunInput;
 use super::record::Record;
 use super::result::{Estimate, Identification, IdentifiedRun};
 use super::state::State;
+use super::timing::Detail;
 use super::{cautions, residuals};
 use crate::align::Sample;
 use crate::error::Result;
@@ -165,21 +166,16 @@ impl Fit<'_> {
     /// The rows `W J` of each run, filtered by the noise, for the sandwich.
     pub(super) fn filtered(&self, noise: &NoiseModel) -> Result<Vec<Triangle>> {
         self.fold_runs(&|index, rows| {
-            let run = &self.runs[index];
             let mut row = vec![0.0; rows.columns()];
             let mut filter = BackwardFilter::new(noise, rows.columns());
             for segment in self.segments(index) {
                 filter.begin(segment.len());
-                for k in segment.rev() {
-                    let sample = &run.samples()[k];
-                    let view = self.view(run, sample);
-                    self.fill_row(&mut row, index, sample, &view);
+                let backward = segment.rev().collect();
+                self.each_row(index, backward, Detail::Full, |k, of_sample, _| {
                     let weight = self.weight(index, k) / self.state.counts_mm().powi(2);
-                    for value in &mut row {
-                        *value *= weight;
-                    }
+                    row.iter_mut().zip(of_sample).for_each(|(to, of)| *to = of * weight);
                     rows.push(filter.push(&row), 0.0);
-                }
+                });
             }
             self.each_time_row(&mut row, index, |row, _, sigma| {
                 rows.push_weighted(row, 0.0, 1.0 / sigma);
