@@ -20,6 +20,17 @@ const LOOKED_AT: usize = 200;
 /// So many lines of any kind may, blank ones and comments: more than an instrument writes, and passed over in no time.
 const FARTHEST: usize = 100_000;
 
+/// The error of a log that says nothing, at least not in its first lines.
+fn nothing_said(file: &Path, goes_on: bool) -> Error {
+    let error = if goes_on {
+        let what = format!("the first {FARTHEST} lines of the log are blank or comments");
+        Error::input(what).hint("cut them off, up to the line that names the columns")
+    } else {
+        Error::input("the log is empty").hint("was the capture saved?")
+    };
+    error.at(Place::file(file))
+}
+
 /// The line that names the columns, and what separates them.
 #[derive(Clone, Copy)]
 pub(super) struct Header<'a> {
@@ -36,7 +47,7 @@ pub(super) fn find_header<'a>(
     lines: &mut impl Iterator<Item = Line<'a>>,
     format: &Format,
 ) -> Result<Header<'a>> {
-    let (told, mut lines) = separated(lines, format);
+    let (told, mut looked_at) = separated(lines.by_ref(), format);
     let delimiters = told.map_or(Delimiter::ALL.to_vec(), |told| vec![told]);
     let wanted = match &format.time {
         TimeColumn::Named { name, .. } | TimeColumn::Angle { name } => {
@@ -46,7 +57,7 @@ pub(super) fn find_header<'a>(
     };
     let mut fields = Vec::new();
     let mut seen: Vec<Line> = Vec::new();
-    for line in lines.by_ref().take(LOOKED_AT) {
+    for line in looked_at.by_ref().take(LOOKED_AT) {
         for &delimiter in &delimiters {
             split(line.text, delimiter, &mut fields);
             let has = |name: &&str| fields.iter().any(|of| same_name(&line.text[of.clone()], name));
@@ -57,9 +68,8 @@ pub(super) fn find_header<'a>(
         seen.push(line);
     }
     let Some(&first) = seen.first() else {
-        return Err(Error::input("the log is empty")
-            .at(Place::file(file))
-            .hint("was the capture saved?"));
+        drop(looked_at);
+        return Err(nothing_said(file, lines.next().is_some()));
     };
     // The message should list the columns as the user sees them, not one long name.
     let mut likely = |line: Line| {

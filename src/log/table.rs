@@ -276,7 +276,7 @@ impl<'a> Table<'a> {
                 deviation_mm
             }));
         }
-        let hint = other_reading(unit, kind, Some(value));
+        let hint = other_reading(&self.format.reading.name, unit, kind, Some(value));
         let unit = unit.name();
         Err(fail(format!(
             "reading {written} {unit} is a deviation of {} mm, which no ball-bar reaches",
@@ -365,7 +365,12 @@ fn out_of_range_line(written: &str) -> String {
 }
 
 /// What to write where a reading in this unit and of this kind is more than any bar can read.
-fn other_reading(stated: LengthUnit, kind: ReadingKind, value: Option<f64>) -> String {
+fn other_reading(
+    column: &str,
+    stated: LengthUnit,
+    kind: ReadingKind,
+    value: Option<f64>,
+) -> String {
     let reached = |unit: LengthUnit, nominal_mm: f64| {
         value.is_some_and(|value| (unit.to_mm(value) - nominal_mm).abs() <= LARGEST_DEVIATION_MM)
     };
@@ -385,7 +390,10 @@ fn other_reading(stated: LengthUnit, kind: ReadingKind, value: Option<f64>) -> S
     // Bars are 50 to 1500 mm long, extensions included.
     let long = |value: f64| (50.0..=1500.0).contains(&stated.to_mm(value));
     if kind == ReadingKind::Deviation && value.is_some_and(long) {
-        lines.push("`reading = \"length\"`".to_owned());
+        let line = "`reading = \"length\"`".to_owned();
+        // The name of the column tells which is meant.
+        let meant = column.to_lowercase().contains("length");
+        lines.insert(if meant { 0 } else { lines.len() }, line);
     }
     if lines.is_empty() {
         return "choose another column: `reading_column`".to_owned();

@@ -225,6 +225,22 @@ fn logs_without_data() {
         assert!(error(content).what.contains(part), "{content}");
     }
     assert!(error(gzip(b"")).what.contains("is empty"));
+    let far = "\n".repeat(100_000) + "time_s,deviation_um\n0,1\n1,2\n";
+    assert!(error(far).what.contains("the first 100000 lines of the log are blank or comments"));
+}
+
+/// A reading of 150.5 mm may be one of 150.5 um or a length: the name of its column tells what to write first.
+#[test]
+fn a_column_that_is_named_after_lengths_probably_holds_them() {
+    for (name, first) in
+        [("length_mm", "reading = \"length\""), ("ball-bar mm", "reading_unit = \"um\"")]
+    {
+        let mut format = Format::default();
+        format.reading.name = name.to_owned();
+        format.reading.unit = LengthUnit::Millimetre;
+        let hint = error_with(format!("time_s,{name}\n0,150.5\n1,150.4\n"), &format).hint.unwrap();
+        assert!(hint.contains(&format!("write `{first}`")), "{hint}");
+    }
 }
 
 #[test]
