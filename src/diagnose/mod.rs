@@ -119,7 +119,7 @@ pub fn watched(
     let (noise, left_mm) = (beside.noise(), &beside.left_mm);
     let explained = fitted.and_then(|_| gain::explained(&gains.arcs));
     let samples = residuals.samples();
-    let smallest_mm2 = thresholds::stands_mm2(residuals, noise, beside.left_mm2());
+    let smallest_mm2 = thresholds::stands_beside_mm2(&beside);
     let verdict = Verdict {
         before_mm: searched.rms_mm(searched.model_mm2()),
         after_mm: residuals.rms_mm(left_mm.product(left_mm)),

@@ -75,6 +75,12 @@ pub(crate) fn stands_mm2(residuals: &Residuals, noise: &Noise, left_mm2: f64) ->
     chance.max(worth_naming_mm2(residuals, noise))
 }
 
+/// The same beside effects next to which nothing but noise is left.
+pub(crate) fn stands_beside_mm2(beside: &Beside) -> f64 {
+    let noise = Noise { long_run_mm2: beside.noise_alone_mm2(), ..*beside.noise() };
+    stands_mm2(beside.residuals, &noise, beside.left_mm2())
+}
+
 /// `50 / n`, with one piece at the least; nothing left is no noise.
 fn chance(noise: &Noise, left_mm2: f64) -> f64 {
     let piece = if left_mm2 > 0.0 { noise.long_run_mm2 / left_mm2 } else { 0.0 };

@@ -1,5 +1,7 @@
 //! Residuals of an equator that is driven there and back, with effects and noise put in, for tests.
 
+use std::sync::OnceLock;
+
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -81,6 +83,7 @@ pub(crate) fn residuals(repeats: usize, mut noise: impl FnMut() -> f64) -> Resid
         way_mm: [2.0 * BAR_MM, 2.0 * BAR_MM, 0.0],
         fastest_mm_s: [FEED_MM_S, FEED_MM_S, 0.0],
         arcs,
+        taken_out: OnceLock::new(),
     }
 }
 

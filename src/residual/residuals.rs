@@ -1,6 +1,7 @@
 //! The residuals of all repeats, and what the fits already follow.
 
 use std::ops::Range;
+use std::sync::OnceLock;
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -66,6 +67,8 @@ pub struct Residuals {
     pub fastest_mm_s: [f64; 3],
     /// How many arcs there are.
     pub arcs: usize,
+    /// How many samples' worth of slow noise the fits have taken out, once somebody has asked.
+    pub(super) taken_out: OnceLock<f64>,
 }
 
 /// A program that was driven: mounting, duration and the way of its blocks tell one from another. Three planes with the
@@ -131,7 +134,7 @@ impl Residuals {
             samples.map(|s| s.situation.motion.velocity_mm_s[slide].abs()).fold(0.0, f64::max)
         });
         let model_mm = Column::from(model_mm);
-        Ok(Self { repeats, model_mm, way_mm, fastest_mm_s, arcs })
+        Ok(Self { repeats, model_mm, way_mm, fastest_mm_s, arcs, taken_out: OnceLock::new() })
     }
 
     /// The same samples with something added to what the model leaves, mm, as far as the fits do not follow

@@ -2,7 +2,9 @@
 
 use super::search::Search;
 use crate::diagnose::seek::curves;
-use crate::diagnose::thresholds::{FIGHTING, INSTEAD_OF_A_CURVE, OF_A_CURVE, SHADOW, stands_mm2};
+use crate::diagnose::thresholds::{
+    FIGHTING, INSTEAD_OF_A_CURVE, OF_A_CURVE, SHADOW, stands_beside_mm2,
+};
 use crate::machine::Axis;
 use crate::model::{Form, Law, Variable};
 use crate::residual::{Beside, Element, Fitted};
@@ -43,8 +45,7 @@ impl Search<'_> {
 
     /// The smallest gain that stands beside all of these.
     fn stands_mm2(&self, fitted: &Fitted) -> f64 {
-        let beside = self.beside(Some(fitted));
-        stands_mm2(beside.residuals, beside.noise(), beside.left_mm2())
+        stands_beside_mm2(&self.beside(Some(fitted)))
     }
 
     /// Causes in place of curves, where they explain as much.
