@@ -146,9 +146,14 @@ fn alike(a: &Element, b: &Element) -> bool {
 /// Which of two explanations that do equally well is named first.
 fn simpler(a: &Element, b: &Element) -> Ordering {
     let rank = |element: &Element| {
-        let Some(shape) = element.shape() else { return (true, usize::MAX, 0, 0) };
-        // Eleven amplitudes explain more than one does.
-        let many = shape.amplitudes() > 2;
+        let Some(shape) = element.shape() else { return (2, usize::MAX, 0, 0) };
+        let group = match shape.law().inner() {
+            // A vibration that keeps step with the slides is a coincidence.
+            Some(Inner { start: Start::Lines, .. }) => 2,
+            // Eleven amplitudes explain more than one does.
+            _ if shape.amplitudes() > 2 => 1,
+            _ => 0,
+        };
         let cause = shape.cause.rank();
         let seat = match shape.seat {
             Seat::Function(slide, component) if component as usize == slide.index() => 0,
@@ -160,7 +165,7 @@ fn simpler(a: &Element, b: &Element) -> Ordering {
             Seat::Function(_, component) => component as usize,
             _ => Component::X as usize,
         };
-        (many, cause, seat, component)
+        (group, cause, seat, component)
     };
     rank(a).cmp(&rank(b))
 }
