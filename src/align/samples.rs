@@ -117,9 +117,8 @@ impl Alignment {
 
     /// The same, by how slides [follow](Self::following) as the time map is now.
     pub fn samples_by(&self, following: &Following) -> Vec<Sample> {
-        let laid = |windows: &[Reading]| {
-            self.laid(windows.iter().copied(), self.averaged > 1, following)
-        };
+        let laid =
+            |windows: &[Reading]| self.laid(windows.iter().copied(), self.averaged > 1, following);
         self.windows.par_chunks(AT_ONCE).flat_map_iter(laid).collect()
     }
 

@@ -18,6 +18,10 @@ const BEYOND_CHANCE: f64 = 50.0;
 /// too little shows to tell causes from one another. In a campaign of more than
 /// `50 v / (0.04 sigma²)` readings this one decides, not chance.
 const WORTH_NAMING: f64 = 0.2;
+/// And this large, rms, mm: a quarter of the last digit of a ball-bar's log, 0.1 um. Of less, which a fast log shows beyond any
+/// chance, nobody knows whether it is the machine's or the instrument's, and what a control drives otherwise than planned
+/// leaves as much at its standstills.
+const WORTH_A_DIGIT_MM: f64 = 2.5e-5;
 
 /// An effect of which less than this part of its square is left outside of the model does not show: 2 % of its
 /// rms. By trial: of an effect of 10 um 0.2 um are left then, as large as the noise.
@@ -88,5 +92,6 @@ fn chance(noise: &Noise, left_mm2: f64) -> f64 {
 }
 
 fn worth_naming_mm2(residuals: &Residuals, noise: &Noise) -> f64 {
-    WORTH_NAMING * WORTH_NAMING * noise.variance_mm2 * residuals.samples() as f64
+    let worth_mm2 = (WORTH_NAMING.powi(2) * noise.variance_mm2).max(WORTH_A_DIGIT_MM.powi(2));
+    worth_mm2 * residuals.samples() as f64
 }

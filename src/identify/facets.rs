@@ -163,8 +163,7 @@ pub(super) fn doubts(
     };
     let misfit = |leg: usize, shift_s: f64| {
         let misfits = of_leg(leg).map(|sample| {
-            let state =
-                run.alignment.trajectory.at_near(sample.program_s + shift_s, sample.block);
+            let state = run.alignment.trajectory.at_near(sample.program_s + shift_s, sample.block);
             let pose = Pose { position_mm: state.position_mm, sense: state.sense };
             let length_mm = model.length_mm(values, &pose, &sample.motion, run.mounting);
             (sample.deviation_mm - (length_mm - run.nominal_mm)).powi(2)
