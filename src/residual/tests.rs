@@ -157,6 +157,28 @@ fn correlated_noise_gains_more_by_chance_than_its_neighbours_tell() {
     assert!((noise.long_run_mm2 / (4.0 * variance) - 1.0).abs() < 0.35, "{noise:?}");
 }
 
+/// Noise that hangs together over a second, of which a window of two sees little more than half, and the fits have taken out a
+/// part of what is slow: what it really gains by chance is seen where it is alone.
+#[test]
+fn noise_that_hangs_together_for_long_is_seen_whole_where_it_is_alone() {
+    let long_run = 19.0; // (1 + r) / (1 - r)
+    let ratios: Vec<[f64; 2]> = (0..8)
+        .map(|seed| {
+            let (mut draw, mut state, correlation) = (white(40 + seed, 1.0), 0.0, 0.9_f64);
+            let residuals = residuals(4, move || {
+                state = correlation * state + (1.0 - correlation * correlation).sqrt() * draw();
+                NOISE_MM * state
+            });
+            let alone = residuals.alone();
+            let true_mm2 = long_run * NOISE_MM * NOISE_MM;
+            [alone.noise().long_run_mm2 / true_mm2, alone.noise_alone_mm2() / true_mm2]
+        })
+        .collect();
+    let mean = |k: usize| ratios.iter().map(|ratio| ratio[k]).sum::<f64>() / ratios.len() as f64;
+    assert!(mean(0) < 0.65, "{ratios:?}");
+    assert!((mean(1) - 0.85).abs() < 0.2, "{ratios:?}");
+}
+
 #[test]
 fn what_repeats_is_told_from_what_does_not() {
     let (truth, _) = effect("cyclic:on=EXX,amplitude_um=0.3,period_mm=10");
