@@ -137,8 +137,9 @@ impl Identification {
                 (None, Part::Arc(section)) => Some(section),
                 _ => None,
             };
-            let taken = (0..run.records.len()).filter(|k| section(*k).is_some()).collect();
-            fit.each_row(index, taken, Detail::Full, |k, row, residual_mm| {
+            let taken: Vec<usize> =
+                (0..run.records.len()).filter(|k| section(*k).is_some()).collect();
+            fit.each_row(index, &taken, Detail::Full, |k, row, residual_mm| {
                 let Some(section) = section(k) else { return };
                 if last.replace((index, section)) != Some((index, section)) {
                     arcs += 1;

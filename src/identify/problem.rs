@@ -222,7 +222,7 @@ impl Problem {
         let run = &fit.runs[index];
         let own = fit.columns.own(index);
         for stretch in fit.segments(index) {
-            fit.each_row(index, stretch.collect(), Detail::Full, |k, row, _| {
+            fit.each_row(index, &stretch.collect::<Vec<_>>(), Detail::Full, |k, row, _| {
                 self.about.push(About::Reading(stretches));
                 self.readings.push(Reading {
                     run: index,

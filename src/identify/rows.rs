@@ -40,8 +40,8 @@ impl Fit<'_> {
         let blocks = self.fold_runs(&|index, rows| {
             let samples = self.runs[index].samples().len();
             let (each, taken) = timing::standing_for(samples, self.state.taking);
-            let taken = taken.filter(|k| self.state.apart[index][*k].is_none()).collect();
-            self.each_row(index, taken, detail, |k, row, residual_mm| {
+            let taken = taken.filter(|k| self.state.apart[index][*k].is_none());
+            self.each_row(index, &taken.collect::<Vec<_>>(), detail, |k, row, residual_mm| {
                 let weight = each as f64 * self.weight(index, k);
                 rows.push_weighted(row, residual_mm, weight.sqrt() / self.state.counts_mm());
             });
@@ -62,7 +62,7 @@ impl Fit<'_> {
     pub(super) fn each_row(
         &self,
         index: usize,
-        taken: Vec<usize>,
+        taken: &[usize],
         detail: timing::Detail,
         mut push: impl FnMut(usize, &[f64], f64),
     ) {

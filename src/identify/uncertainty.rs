@@ -170,8 +170,8 @@ impl Fit<'_> {
             let mut filter = BackwardFilter::new(noise, rows.columns());
             for segment in self.segments(index) {
                 filter.begin(segment.len());
-                let backward = segment.rev().collect();
-                self.each_row(index, backward, Detail::Full, |k, of_sample, _| {
+                let backward: Vec<usize> = segment.rev().collect();
+                self.each_row(index, &backward, Detail::Full, |k, of_sample, _| {
                     let weight = self.weight(index, k) / self.state.counts_mm().powi(2);
                     row.iter_mut().zip(of_sample).for_each(|(to, of)| *to = of * weight);
                     rows.push(filter.push(&row), 0.0);

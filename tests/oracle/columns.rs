@@ -163,7 +163,8 @@ fn every_column_of_a_bent_machine_is_its_derivative_there() {
             let all = terms(&["all".to_owned()], &["A".to_owned()]).unwrap();
             let model = Model::new(machine, vec![case.mounting], all);
             let mut row = vec![0.0; 96];
-            let at = model.situation_bent(values, &case.pose, &Motion::REST, 0);
+            let errors = model.errors(values, &case.pose, &Motion::REST, 0);
+            let at = model.situation_bent(&errors, &case.pose, &Motion::REST, 0);
             model.row(&at, &mut row);
             row
         };
