@@ -7,12 +7,13 @@ use super::choose::extend::{self, Extended};
 use super::choose::found::Chosen;
 use super::choose::run::{self, Again};
 use super::choose::settings::{self, Corrected, WrongSetting};
+use super::choose::tidy::fallen;
 use super::result::ExtendedModel;
 use crate::error::Result;
 use crate::identify::Campaign;
 use crate::machine::Machine;
 use crate::plan::Test;
-use crate::residual::{Beside, Residuals};
+use crate::residual::{self, Beside, Residuals};
 
 /// The extended model is looked at again so often, at most, for effects that are no more or that it uncovers.
 const MOST_LOOKS: usize = 2;
@@ -71,6 +72,15 @@ impl Standing {
             {
                 looks += 1;
                 chosen = other;
+                continue;
+            }
+            // The last look may have left what no longer stands about the model that it led to.
+            if looks == MOST_LOOKS
+                && let Some(Extended { residuals, chosen: now, .. }) = &extended
+                && let Some((index, _)) =
+                    fallen(residuals, &now.fitted, &|all| residual::fit(&residuals.alone(), all))
+            {
+                chosen = now.without(index, &searched.alone());
                 continue;
             }
             // What a run that took no part speaks against is taken out, and all is extended again: one step.

@@ -81,8 +81,7 @@ pub(crate) fn stands_mm2(residuals: &Residuals, noise: &Noise, left_mm2: f64) ->
 
 /// The same beside effects next to which nothing but noise is left.
 pub(crate) fn stands_beside_mm2(beside: &Beside) -> f64 {
-    let noise = Noise { long_run_mm2: beside.noise_alone_mm2(), ..*beside.noise() };
-    stands_mm2(beside.residuals, &noise, beside.left_mm2())
+    stands_mm2(beside.residuals, &beside.noise_alone(), beside.left_mm2())
 }
 
 /// `50 / n`, with one piece at the least; nothing left is no noise.

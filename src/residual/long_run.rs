@@ -17,6 +17,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::beside::Beside;
+use super::noise::Noise;
 use super::residuals::{Repeat, Residuals};
 
 /// Half of the window, s: longer ones scatter more, and noise does not hang together for longer than a second.
@@ -25,8 +26,8 @@ const FLAT_S: f64 = 1.0;
 const LEAST_LEFT: f64 = 0.25;
 
 impl Beside<'_> {
-    /// Variance of a mean of many neighbouring samples times their number, mm², if what is left is noise and nothing else.
-    pub fn noise_alone_mm2(&self) -> f64 {
+    /// The noise of what is left if that is noise and nothing else.
+    pub fn noise_alone(&self) -> Noise {
         let residuals = self.residuals;
         let count = residuals.samples() as f64;
         let span = self.span.par_iter().map(|unit| along(residuals, unit));
@@ -35,7 +36,7 @@ impl Beside<'_> {
             residuals.taken_out.get_or_init(|| residuals.repeats.iter().map(of_followed).sum());
         let taken_out = by_fits + by_effects;
         let left = along(residuals, &self.left_mm) / (count - taken_out).max(LEAST_LEFT * count);
-        left.max(self.noise().long_run_mm2)
+        Noise { long_run_mm2: left.max(self.noise().long_run_mm2), ..*self.noise() }
     }
 }
 

@@ -171,7 +171,7 @@ fn noise_that_hangs_together_for_long_is_seen_whole_where_it_is_alone() {
             });
             let alone = residuals.alone();
             let true_mm2 = long_run * NOISE_MM * NOISE_MM;
-            [alone.noise().long_run_mm2 / true_mm2, alone.noise_alone_mm2() / true_mm2]
+            [alone.noise().long_run_mm2 / true_mm2, alone.noise_alone().long_run_mm2 / true_mm2]
         })
         .collect();
     let mean = |k: usize| ratios.iter().map(|ratio| ratio[k]).sum::<f64>() / ratios.len() as f64;

@@ -6,4 +6,4 @@ mod rivals;
 pub(super) mod run;
 pub(super) mod search;
 pub(super) mod settings;
-mod tidy;
+pub(super) mod tidy;
