@@ -10,20 +10,22 @@
 //! of what is left, `e`, and of the orthonormal directions `q` that the fits and accepted effects have taken out of the noise, as
 //! far as they change little over its correlation. The flat top (Politis and Romano, "Bias-corrected nonparametric spectral
 //! estimation", Journal of Time Series Analysis 16, 1995) sees noise whole that hangs together over half a second, where weights
-//! that fall from the beginning see three quarters of it.
+//! that fall from the beginning see three quarters of it. Where little but what was taken out is left of what noise hangs together
+//! for, `S` does not tell any more, and the [likeliest](super::likeliest) noise counts.
 
 use std::ops::Range;
 
 use rayon::prelude::*;
 
 use super::beside::Beside;
+use super::likeliest;
 use super::noise::Noise;
 use super::residuals::{Repeat, Residuals};
 
 /// Half of the window, s: longer ones scatter more, and noise does not hang together for longer than a second.
 const FLAT_S: f64 = 1.0;
-/// Where what is taken out leaves less than this share of the samples, nobody knows what was in it.
-const LEAST_LEFT: f64 = 0.25;
+/// Where what is taken out leaves less than this share of the samples, nobody knows from `S` what was in it.
+const LEAST_LEFT: f64 = 0.5;
 
 impl Beside<'_> {
     /// The noise of what is left if that is noise and nothing else.
@@ -34,9 +36,12 @@ impl Beside<'_> {
         let by_effects: f64 = span.collect::<Vec<f64>>().iter().sum();
         let by_fits =
             residuals.taken_out.get_or_init(|| residuals.repeats.iter().map(of_followed).sum());
-        let taken_out = by_fits + by_effects;
-        let left = along(residuals, &self.left_mm) / (count - taken_out).max(LEAST_LEFT * count);
-        Noise { long_run_mm2: left.max(self.noise().long_run_mm2), ..*self.noise() }
+        let left = count - by_fits - by_effects;
+        let seen_mm2 = along(residuals, &self.left_mm) / left.max(LEAST_LEFT * count);
+        let likeliest =
+            (left < LEAST_LEFT * count).then(|| likeliest::long_run_mm2(self)).flatten();
+        let long_run_mm2 = likeliest.unwrap_or(seen_mm2).max(self.noise().long_run_mm2);
+        Noise { long_run_mm2, ..*self.noise() }
     }
 }
 

@@ -21,6 +21,7 @@ mod column;
 mod element;
 mod fitted;
 mod joint;
+mod likeliest;
 mod long_run;
 mod noise;
 mod residuals;
