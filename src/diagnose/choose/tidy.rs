@@ -25,7 +25,13 @@ pub(crate) fn fallen(
         let own_mm2 = (fitted.gain_mm2 - gained).min(fitted.part_mm2(k, residuals));
         // Thirty amplitudes of a vibration gain thirty times as much by chance as one does.
         let inside = usize::from(fitted.elements[k].free().is_some());
-        (k, own_mm2 - noise.by_chance_mm2(fitted.amplitudes[k].len() + inside), rest)
+        let by_choice = match fitted.elements[k].form {
+            Form::Empirical(_) => curves::by_choice(fitted.amplitudes[k].len()),
+            _ => 0.0,
+        };
+        let by_chance_mm2 = noise.by_chance_mm2(fitted.amplitudes[k].len() + inside)
+            + by_choice * noise.long_run_mm2;
+        (k, own_mm2 - by_chance_mm2, rest)
     };
     let weakest = (0..fitted.elements.len()).map(without);
     let (index, own_mm2, rest) = weakest.min_by(|a, b| a.1.total_cmp(&b.1))?;

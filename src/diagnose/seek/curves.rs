@@ -88,6 +88,14 @@ impl Curve {
     }
 }
 
+/// What so many knots gain by being the best of all choices of so many, over what an amplitude gains by chance: twice the logarithm
+/// of the number of choices, among the knots of the closest look.
+pub(crate) fn by_choice(knots: usize) -> f64 {
+    let all = KNOTS[KNOTS.len() - 1];
+    let chosen = knots.min(all - knots.min(all));
+    2.0 * (1..=chosen).map(|k| ((all - chosen + k) as f64 / k as f64).ln()).sum::<f64>()
+}
+
 /// The curve that explains most of what is left, fitted to the samples themselves, with as many knots as it
 /// needs; `None` where none of those that are wanted explains `least_mm2`.
 pub(crate) fn best(
@@ -223,4 +231,19 @@ fn hats(channel: &Look, curve: &Empirical) -> Vec<Vec<f64>> {
         hats[first + 1][bin] = share;
     }
     hats
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn choices_are_counted() {
+        assert!(by_choice(0).abs() < 1e-12);
+        // 96, 96 * 95 / 2, and all of them in one way.
+        assert!((by_choice(1) - 2.0 * 96_f64.ln()).abs() < 1e-9);
+        assert!((by_choice(2) - 2.0 * 4560_f64.ln()).abs() < 1e-9);
+        assert!((by_choice(94) - by_choice(2)).abs() < 1e-9);
+        assert!(by_choice(97).abs() < 1e-12);
+    }
 }
