@@ -25,6 +25,14 @@ const POINTS: [(f64, f64); 5] = [
 /// A lag that moves no corner by more than rounding of the program, s.
 const NONE_S: f64 = 1e-5;
 
+/// A slide that is asked where it goes is looked at so long before and after, s.
+pub(super) const HAIR_S: f64 = 1e-4;
+/// A slide has turned within so many doublings of its time constant: one that leaves a corner a hundred times slower than it came
+/// takes five time constants.
+const DOUBLINGS: i32 = 6;
+/// The time of a turn is halved so often, from some tenths of a second to nanoseconds.
+const HALVINGS: usize = 30;
+
 /// So few readings do not fill a window evenly.
 const FEW: usize = 6;
 
@@ -108,6 +116,55 @@ impl Following {
         self.in_the_mean(mean_mm)
     }
 
+    /// When slides turn round, s, in order: each while from the program's turn to that of the slide, whichever is first. Of an
+    /// even curve both are at once; a slide that leaves a corner slower than it came turns later, one that comes to it slowly
+    /// sooner, by up to its time constant.
+    pub fn turns_s(&self, trajectory: &Trajectory) -> Vec<[f64; 2]> {
+        let mut turns: Vec<[f64; 2]> = Vec::new();
+        let planned = trajectory.reversals_s().into_iter().map(|planned_s| {
+            let [before, after] =
+                [-HAIR_S, HAIR_S].map(|aside_s| trajectory.at(planned_s + aside_s).sense);
+            let turns = |slide: &usize| self.blocks.is_some() && before[*slide] != after[*slide];
+            let each = (0..3).filter(turns);
+            each.filter_map(|slide| self.turned_s(trajectory, planned_s, slide, after[slide]))
+                .fold([planned_s; 2], |[from_s, to_s], s| [from_s.min(s), to_s.max(s)])
+        });
+        let mut planned: Vec<[f64; 2]> = planned.collect();
+        planned.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        for [from_s, to_s] in planned {
+            match turns.last_mut().filter(|last| from_s <= last[1]) {
+                Some(last) => last[1] = last[1].max(to_s),
+                None => turns.push([from_s, to_s]),
+            }
+        }
+        turns
+    }
+
+    /// When a slide begins to go in another sense that the program turns to at a time, s; `None` where it does not get there.
+    fn turned_s(
+        &self,
+        trajectory: &Trajectory,
+        planned_s: f64,
+        slide: usize,
+        sense: f64,
+    ) -> Option<f64> {
+        let goes = |at_s: &f64| {
+            let near = trajectory.block_at(*at_s);
+            let [before, after] =
+                [-HAIR_S, HAIR_S].map(|aside_s| self.at(trajectory, at_s + aside_s, near)[0]);
+            sense * (after[slide] - before[slide]) > 0.0
+        };
+        // No sooner than it is commanded to.
+        let mut not_yet_s = planned_s - self.common_s - HAIR_S;
+        let later_s = |k: i32| not_yet_s + self.constants_s[slide] * 2_f64.powi(k);
+        let mut has_s = (0..DOUBLINGS).map(later_s).find(goes)?;
+        for _ in 0..HALVINGS {
+            let middle_s = 0.5 * (not_yet_s + has_s);
+            *(if goes(&middle_s) { &mut has_s } else { &mut not_yet_s }) = middle_s;
+        }
+        Some(has_s)
+    }
+
     /// With `s = x / T` the mean has the weights `exp(-s) exp(s (1 - T / T_k))`.
     fn in_the_mean(&self, at_mm: impl Fn(f64) -> Vector3<f64>) -> [Vector3<f64>; 2] {
         let (mut sum, mut all) = (Vector3::zeros(), Vector3::zeros());
@@ -144,5 +201,46 @@ mod tests {
         assert!((mean(&|s| s) - 1.0).abs() < 2e-5);
         // c = t²: x(t + T) = t² + T².
         assert!((mean(&|s| (1.0 - s).powi(2)) - 1.0).abs() < 3e-4);
+    }
+
+    /// A slide that has all but met its command on a chord that does not move it turns with the next one, a time constant before one
+    /// that is in the middle of an even curve.
+    #[test]
+    fn a_slide_turns_when_it_meets_its_command() {
+        let machine = crate::machine::Machine::read("machines/hu40t.toml".as_ref()).unwrap();
+        let mut reading = crate::nc::Reading::of(&machine);
+        reading.work_offsets_mm.insert(54, Vector3::new(20.0, -35.0, 40.0));
+        for (flat_mm, after) in [(0.6, 1.0), (0.1, 1.0), (1e-3, 1.0), (1e-3, 0.02)] {
+            let program = format!(
+                "%\nO1\nG21 G17 G90 G94 G64\nG54\nG00 X-100. Y0. Z0.\nG01 X-100.1 Y10. F500.\n\
+                 Y{}\nX{} Y{}\nM30\n%\n",
+                10.0 + flat_mm,
+                0.1 * after - 100.1,
+                20.0 + flat_mm
+            );
+            let program = crate::nc::read(&program, "O1.nc".as_ref(), &reading).unwrap();
+            let trajectory = Trajectory::new(&program, &machine, 1.0);
+            let time_s = 0.02;
+            let following = Following::new(&trajectory, time_s, &Vector3::zeros(), true);
+            let planned_s = trajectory.reversals_s().pop().unwrap();
+            // The lag itself, in steps: the slide turns when it meets its command.
+            let (step_s, mut lag_mm, mut before_mm) = (1e-5, 0.0, -80.0);
+            let mut met_s = f64::NAN;
+            for step in 0..(trajectory.end_s() / step_s) as usize {
+                let at_s = step as f64 * step_s;
+                let now_mm = trajectory.at(at_s).position_mm.x;
+                let follows_mm = lag_mm * (-step_s / time_s).exp() + (now_mm - before_mm);
+                before_mm = now_mm;
+                if lag_mm < 0.0 && follows_mm >= 0.0 {
+                    met_s = at_s;
+                }
+                lag_mm = follows_mm;
+            }
+            let turned_s = met_s - time_s - planned_s;
+            let [from_s, to_s] = following.turns_s(&trajectory).pop().unwrap();
+            let told = [from_s - planned_s, to_s - planned_s, turned_s];
+            assert!((told[0] - turned_s.min(0.0)).abs() < 1e-4, "{flat_mm} {after} {told:?}");
+            assert!((told[1] - turned_s.max(0.0)).abs() < 1e-4, "{flat_mm} {after} {told:?}");
+        }
     }
 }

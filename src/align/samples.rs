@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::engaged::{Engaged, Slip};
 use super::engagement::Engagement;
-use super::following::Following;
+use super::following::{Following, HAIR_S};
 use super::mean_path::MeanPath;
 use super::ramp::Mark;
 use super::section::Section;
@@ -17,8 +17,6 @@ use crate::machine::Pose;
 use crate::model::{Averaged, Motion};
 use crate::motion::{Reversals, State, Times, Trajectory};
 
-/// A slide is where it goes to so much later, and comes from so much before, s.
-const HAIR_S: f64 = 1e-4;
 /// By no more than rounding it does not move, mm.
 const STANDS_MM: f64 = 1e-9;
 

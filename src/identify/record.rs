@@ -57,11 +57,11 @@ impl Apart {
     }
 
     /// Why a sample takes no part: only one on an arc does, where the sense of every axis is known, that is,
-    /// where no axis turns round and the arc neither begins nor ends within three standard deviations of its time, and
+    /// where no axis [turns round](crate::align::Following::turns_s) and the arc neither begins nor ends within three standard deviations of its time, and
     /// not within `guard_s`, from or to a standstill with so much more as another acceleration makes it late.
     pub(super) fn of(
         sample: &Sample,
-        reversals_s: &[f64],
+        turns_s: &[[f64; 2]],
         sections: &[Section],
         guard_s: f64,
     ) -> Option<Self> {
@@ -74,10 +74,15 @@ impl Apart {
         if !sample.time_sigma_s.is_finite() {
             return Some(Self::TimeUnknown);
         }
-        let next = reversals_s.partition_point(|t| *t < sample.program_s);
+        let next = turns_s.partition_point(|turn| turn[1] < sample.program_s);
         let kept_s = |elsewhere_s: f64| Self::kept_s(sample, guard_s, elsewhere_s);
         let near = |time_s: f64, kept_s: f64| (time_s - sample.program_s).abs() < kept_s;
-        let turns = |index: usize| reversals_s.get(index).is_some_and(|t| near(*t, kept_s(0.0)));
+        // Within the while of a turn its sense is not known at all.
+        let turns = |index: usize| {
+            turns_s.get(index).is_some_and(|[from_s, to_s]| {
+                near(sample.program_s.clamp(*from_s, *to_s), kept_s(0.0))
+            })
+        };
         let [after_s, before_s] = section.lags_s.map(|lag_s| kept_s(LAG_KNOWN * lag_s));
         if near(section.start_s, after_s) || near(section.end_s, before_s) {
             Some(Self::End)

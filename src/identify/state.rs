@@ -68,8 +68,8 @@ impl State {
 /// Why each sample of each run takes no part; `guard_s` is kept from every reversal and every end of an arc at the least.
 pub(super) fn apart(runs: &[RunInput], guard_s: f64) -> Vec<Vec<Option<Apart>>> {
     let of_run = |run: &RunInput| {
-        let (reversals_s, sections) =
-            (run.alignment.trajectory.reversals_s(), &run.alignment.sections);
+        let turns_s = run.following[0].turns_s(&run.alignment.trajectory);
+        let sections = &run.alignment.sections;
         // A mean over a reversal has no sense.
         let averaged = run.alignment.averaged > 1;
         let half_s = if averaged { 0.5 * run.alignment.sample_period_s } else { 0.0 };
@@ -79,7 +79,7 @@ pub(super) fn apart(runs: &[RunInput], guard_s: f64) -> Vec<Vec<Option<Apart>>> 
             run.alignment.steps_at(sample.leg, sample.program_s, kept_s)
         };
         let apart = |sample: &Sample| {
-            let apart = Apart::of(sample, &reversals_s, sections, guard_s);
+            let apart = Apart::of(sample, &turns_s, sections, guard_s);
             apart.or_else(|| steps(sample).then_some(Apart::Reversal))
         };
         run.samples().iter().map(apart).collect()
