@@ -27,7 +27,7 @@ pub(crate) fn fallen(
         let inside = usize::from(fitted.elements[k].free().is_some());
         let by_choice = match fitted.elements[k].form {
             Form::Empirical(_) => curves::by_choice(fitted.amplitudes[k].len()),
-            _ => 0.0,
+            Form::Cause(_) => 0.0,
         };
         let by_chance_mm2 = noise.by_chance_mm2(fitted.amplitudes[k].len() + inside)
             + by_choice * noise.long_run_mm2;
