@@ -124,7 +124,8 @@ impl Following {
         let planned = trajectory.reversals_s().into_iter().map(|planned_s| {
             let [before, after] =
                 [-HAIR_S, HAIR_S].map(|aside_s| trajectory.at(planned_s + aside_s).sense);
-            let turns = |slide: &usize| self.blocks.is_some() && (after - before)[*slide].abs() > 0.5;
+            let turns =
+                |slide: &usize| self.blocks.is_some() && (after - before)[*slide].abs() > 0.5;
             let each = (0..3).filter(turns);
             each.filter_map(|slide| self.turned_s(trajectory, planned_s, slide, after[slide]))
                 .fold([planned_s; 2], |[from_s, to_s], s| [from_s.min(s), to_s.max(s)])

@@ -98,14 +98,7 @@ pub(super) fn find(model: &Model, values: &[f64], run: &mut RunInput, look: Look
             misfits.iter().map(|(shift_s, misfit)| (*shift_s, cost(*shift_s, misfit))).collect();
         let peaks = peaks(&costs);
         let Some(best) = peaks.iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
-        let [mass, first_s, second_s2, outside_s2] =
-            costs.iter().fold([0.0; 4], |[mass, first, second, outside], one| {
-                let (weight, aside_s) = ((best.1 - one.1).exp(), one.0 - best.0);
-                let square = weight * aside_s.powi(2);
-                // Inside the catch the fit tells the offset and how well it does.
-                let outside = if aside_s.abs() > catch_s { outside + square } else { outside };
-                [mass + weight, first + weight * aside_s, second + square, outside]
-            });
+        let [mass, first_s, second_s2, outside_s2] = moments(&costs, best.0, catch_s);
         let map = &mut run.alignment.time_map;
         let outside_s = (outside_s2 / mass).sqrt();
         if visible && outside_s < catch_s {
@@ -206,6 +199,20 @@ pub(super) fn doubts(
             Doubt { leg, shifts_s: elsewhere.iter().map(|peak| peak.0).collect() }
         })
         .collect()
+}
+
+/// Of shifts with minus the logarithm of how likely each is: mass, and moments about one of them, s and s²; the last one of those that
+/// are more than a catch from it. The likeliest has the mass 1.
+fn moments(costs: &[(f64, f64)], about_s: f64, catch_s: f64) -> [f64; 4] {
+    // Of a curve that still falls at an end no peak is the lowest.
+    let lowest = costs.iter().fold(f64::INFINITY, |lowest, one| lowest.min(one.1));
+    costs.iter().fold([0.0; 4], |[mass, first, second, outside], (shift_s, cost)| {
+        let (weight, aside_s) = ((lowest - cost).exp(), shift_s - about_s);
+        let square = weight * aside_s.powi(2);
+        // Inside the catch the fit tells the offset and how well it does.
+        let outside = if aside_s.abs() > catch_s { outside + square } else { outside };
+        [mass + weight, first + weight * aside_s, second + square, outside]
+    })
 }
 
 /// Lowest points of a sampled curve, each between its samples by the parabola through three of them. How low is what was
@@ -374,6 +381,14 @@ impl<'a> LegReadings<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_leg_that_lies_beyond_all_shifts_has_moments() {
+        // A peak at 0 that a million tells from the end, where it still falls.
+        let costs = [(-2.0, 2e6), (-1.0, 1e6 + 1.0), (0.0, 1e6), (1.0, 1e6 + 1.0), (2.0, 0.0)];
+        assert_eq!(peaks(&costs)[0].0.total_cmp(&0.0), std::cmp::Ordering::Equal);
+        assert_eq!(moments(&costs, 0.0, 1.5), [1.0, 2.0, 4.0, 4.0]);
+    }
 
     #[test]
     fn a_mean_over_a_reversal_lies_between_its_sides_and_a_reading_on_one_of_them() {
