@@ -151,7 +151,7 @@ impl Campaign {
     }
 
     /// What the fits leave, mm rms over all repeats.
-    fn rms_mm(&self) -> f64 {
+    pub fn rms_mm(&self) -> f64 {
         let used: usize = self.repeats.iter().map(|repeat| repeat.used).sum();
         (self.leaves_mm2() / used.max(1) as f64).sqrt()
     }
