@@ -83,6 +83,7 @@ pub(crate) fn residuals(repeats: usize, mut noise: impl FnMut() -> f64) -> Resid
         way_mm: [2.0 * BAR_MM, 2.0 * BAR_MM, 0.0],
         fastest_mm_s: [FEED_MM_S, FEED_MM_S, 0.0],
         arcs,
+        held: true,
         taken_out: OnceLock::new(),
     }
 }

@@ -28,7 +28,7 @@ const FLAT_S: f64 = 1.0;
 const LEAST_LEFT: f64 = 0.5;
 
 impl Beside<'_> {
-    /// The noise of what is left if that is noise and nothing else.
+    /// The noise of what is left if that is noise and nothing else, as it is where the fits [held](Residuals::held) the effects.
     pub fn noise_alone(&self) -> Noise {
         let residuals = self.residuals;
         let count = residuals.samples() as f64;
@@ -38,8 +38,9 @@ impl Beside<'_> {
             residuals.taken_out.get_or_init(|| residuals.repeats.iter().map(of_followed).sum());
         let left = count - by_fits - by_effects;
         let seen_mm2 = along(residuals, &self.left_mm) / left.max(LEAST_LEFT * count);
-        let likeliest =
-            (left < LEAST_LEFT * count).then(|| likeliest::long_run_mm2(self)).flatten();
+        // About a fit without them, what effects leave is also what a linear search does not see of them.
+        let tells = !residuals.held || left >= LEAST_LEFT * count;
+        let likeliest = if tells { None } else { likeliest::long_run_mm2(self) };
         let long_run_mm2 = likeliest.unwrap_or(seen_mm2).max(self.noise().long_run_mm2);
         Noise { long_run_mm2, ..*self.noise() }
     }

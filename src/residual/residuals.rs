@@ -67,6 +67,8 @@ pub struct Residuals {
     pub fastest_mm_s: [f64; 3],
     /// How many arcs there are.
     pub arcs: usize,
+    /// Whether effects were held in the fits: then nothing but noise is left beside them.
+    pub held: bool,
     /// How many samples' worth of slow noise the fits have taken out, once somebody has asked.
     pub(super) taken_out: OnceLock<f64>,
 }
@@ -134,7 +136,9 @@ impl Residuals {
             samples.map(|s| s.situation.motion.velocity_mm_s[slide].abs()).fold(0.0, f64::max)
         });
         let model_mm = Column::from(model_mm);
-        Ok(Self { repeats, model_mm, way_mm, fastest_mm_s, arcs, taken_out: OnceLock::new() })
+        let held = campaign.held.iter().any(|held| !held.is_empty());
+        let taken_out = OnceLock::new();
+        Ok(Self { repeats, model_mm, way_mm, fastest_mm_s, arcs, held, taken_out })
     }
 
     /// The same samples with something added to what the model leaves, mm, as far as the fits do not follow

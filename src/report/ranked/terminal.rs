@@ -98,10 +98,11 @@ pub(super) fn sentences(test: &RankingResult) -> Vec<String> {
     }
     if !apart.is_empty() {
         sentences.push(format!(
-            "Not told apart from 0: {}. Without all of these together {} would be {} um lower.",
+            "Not told apart from 0: {}. Without all of these together {} would be {} um {}.",
             list(apart),
             test.deviation,
-            fixed(test.untold_fall_um, 2)
+            fixed(test.untold_fall_um.abs(), 2),
+            if test.untold_fall_um < 0.0 { "higher" } else { "lower" }
         ));
     }
     sentences.push(format!(
