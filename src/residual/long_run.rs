@@ -11,7 +11,7 @@
 //! far as they change little over its correlation. The flat top (Politis and Romano, "Bias-corrected nonparametric spectral
 //! estimation", Journal of Time Series Analysis 16, 1995) sees noise whole that hangs together over half a second, where weights
 //! that fall from the beginning see three quarters of it. Where little but what was taken out is left of what noise hangs together
-//! for, `S` does not tell any more, and the [likeliest](super::likeliest) noise counts.
+//! for, `S` does not tell any more, and the [likeliest] noise counts.
 
 use std::ops::Range;
 
