@@ -57,8 +57,9 @@ impl Apart {
     }
 
     /// Why a sample takes no part: only one on an arc does, where the sense of every axis is known, that is,
-    /// where no axis [turns round](crate::align::Following::turns_s) and the arc neither begins nor ends within three standard deviations of its time, and
-    /// not within `guard_s`, from or to a standstill with so much more as another acceleration makes it late.
+    /// where no axis [turns round](crate::align::Following::turns_s) and the arc neither begins nor ends within three
+    /// standard deviations of its time, and not within `guard_s`, from or to a standstill with so much more as another
+    /// acceleration makes it late.
     pub(super) fn of(
         sample: &Sample,
         turns_s: &[[f64; 2]],

@@ -72,18 +72,12 @@ fn of_followed(repeat: &Repeat) -> f64 {
 
 /// The samples of each arc, and how many of them half a window has.
 fn arcs(repeat: &Repeat) -> Vec<(Range<usize>, usize)> {
-    let mut arcs = Vec::new();
-    for run in repeat.runs.iter().map(|run| &run.samples) {
-        let mut first = run.start;
-        for of_arc in repeat.samples[run.clone()].chunk_by(|a, b| a.arc == b.arc) {
-            let lasts_s = of_arc[of_arc.len() - 1].elapsed_s() - of_arc[0].elapsed_s();
-            let each_s = lasts_s / of_arc.len() as f64;
-            let half = (FLAT_S / each_s.max(f64::EPSILON)) as usize;
-            arcs.push((first..first + of_arc.len(), half.clamp(1, of_arc.len())));
-            first += of_arc.len();
-        }
-    }
-    arcs
+    let half = |(arc, each_s): (Range<usize>, f64)| {
+        let half = (FLAT_S / each_s.max(f64::EPSILON)) as usize;
+        let most = arc.len();
+        (arc, half.clamp(1, most))
+    };
+    repeat.arcs().into_iter().map(half).collect()
 }
 
 /// `S` of the values of one arc.

@@ -199,6 +199,20 @@ impl Residuals {
 }
 
 impl Repeat {
+    /// The samples of each arc, and how far they are apart, s; 0 where an arc has but one.
+    pub(super) fn arcs(&self) -> Vec<(Range<usize>, f64)> {
+        let mut arcs = Vec::new();
+        for run in self.runs.iter().map(|run| &run.samples) {
+            let mut first = run.start;
+            for of_arc in self.samples[run.clone()].chunk_by(|a, b| a.arc == b.arc) {
+                let lasts_s = of_arc[of_arc.len() - 1].elapsed_s() - of_arc[0].elapsed_s();
+                arcs.push((first..first + of_arc.len(), lasts_s / of_arc.len() as f64));
+                first += of_arc.len();
+            }
+        }
+        arcs
+    }
+
     /// Counts its arcs and its programs on from those of the repeats before.
     fn of(
         identified: &Identification,
