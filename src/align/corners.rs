@@ -21,8 +21,15 @@ const TOLD: f64 = 3.0;
 
 impl Corners {
     /// From runs of one machine; `None` where they do not tell it.
+    ///
+    /// A straight line of `T²` over `v²` by least squares. Where it would have slides lag by less than nothing at rest it goes
+    /// through zero, and is told if it still says more than no slope does: runs at nearly one feed say nothing of it, however
+    /// much their lags differ.
     pub fn of<'a>(runs: impl Iterator<Item = &'a Alignment>) -> Option<Self> {
-        let points: Vec<[f64; 3]> = runs.filter_map(point).collect();
+        Self::through(&runs.filter_map(point).collect::<Vec<_>>())
+    }
+
+    fn through(points: &[[f64; 3]]) -> Option<Self> {
         let sum = |of: &dyn Fn(&[f64; 3]) -> f64| points.iter().map(of).sum::<f64>();
         let weight = |[_, _, sigma]: &[f64; 3]| sigma.powi(-2);
         let all = sum(&weight);
@@ -31,7 +38,13 @@ impl Corners {
         let spread = sum(&|point| weight(point) * (point[0] - middle).powi(2));
         let rises =
             sum(&|point| weight(point) * (point[0] - middle) * (point[1] - constant)) / spread;
-        (rises * spread.sqrt() > TOLD && rises.is_finite()).then_some(Self { squared: rises })
+        let at_rest = (constant - rises * middle).min(0.0);
+        let lost = at_rest.powi(2) / (all.recip() + middle.powi(2) / spread);
+        let told = rises > 0.0 && rises.powi(2) * spread - lost > TOLD * TOLD;
+        let through_zero = sum(&|point| weight(point) * point[0] * point[1])
+            / sum(&|point| weight(point) * point[0].powi(2));
+        let squared = if at_rest < 0.0 { through_zero } else { rises };
+        (told && squared.is_finite()).then_some(Self { squared })
     }
 
     /// The acceleration with which corners are rounded, mm/s².
@@ -65,4 +78,31 @@ fn point(run: &Alignment) -> Option<[f64; 3]> {
 fn speed_mm_s(run: &Alignment) -> f64 {
     let middle_s = run.sections.iter().map(|arc| 0.5 * (arc.start_s + arc.end_s));
     middle_s.map(|s| run.trajectory.at(s).velocity_mm_s.norm()).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `v²` and `T²` of a lag of 8 ms and corners rounded with 500 mm/s², at so many mm/s, known to so much (s).
+    fn at(speed_mm_s: f64, sigma_s: f64) -> [f64; 3] {
+        let squared_s2 = 0.008_f64.powi(2) + speed_mm_s.powi(2) / (12.0 * 500.0_f64.powi(2));
+        [speed_mm_s.powi(2), squared_s2, 2.0 * squared_s2.sqrt() * sigma_s]
+    }
+
+    #[test]
+    fn two_feeds_tell_corners_from_slides() {
+        let corners = Corners::through(&[at(20.0, 1e-4), at(60.0, 1e-4)]);
+        let told_mm_s2 = corners.map(|corners| corners.acceleration_mm_s2());
+        assert!(told_mm_s2.is_some_and(|told| (told - 500.0).abs() < 1e-6), "{told_mm_s2:?}");
+    }
+
+    /// Lags that differ by ten standard deviations at speeds that differ by a thousandth would be corners of 8 s.
+    #[test]
+    fn one_feed_does_not() {
+        let [speed, squared_s2, sigma_s2] = at(30.03, 1e-5);
+        assert_eq!(Corners::through(&[at(30.0, 1e-5), [speed, squared_s2 + 1e-6, sigma_s2]]), None);
+        assert_eq!(Corners::through(&[at(30.0, 1e-5)]), None);
+        assert_eq!(Corners::through(&[]), None);
+    }
 }
