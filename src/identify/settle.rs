@@ -104,8 +104,13 @@ impl Fit<'_> {
                 wary = wary && !came_to_rest && steps < downhill_after;
                 // Times that hardly anything tells go to and fro for ever: what is kept from reversals is then so much that they may.
                 let restless = steps > downhill_after;
-                let guard_s =
-                    if wary || restless { WARY_S.max(detail.guard_s()) } else { detail.guard_s() };
+                // And until it is known how neighbours err alike, times are less certain than they seem.
+                let unweighed = self.state.knows() && !self.state.bent;
+                let guard_s = if wary || restless || unweighed {
+                    WARY_S.max(detail.guard_s())
+                } else {
+                    detail.guard_s()
+                };
                 held_s = if restless { guard_s } else { detail.guard_s() };
                 self.choose(guard_s, wary || came_to_rest || steps <= CHOOSING_STEPS);
                 // Chosen by another rule they are other readings, and do not compare.
