@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::input::{FOLLOWING_STEP_S, RunInput};
+use super::input::RunInput;
 use super::state::Taking;
 use crate::align::{Following, Sample};
 use crate::machine::{ChainErrors, Pose};
@@ -182,11 +182,11 @@ pub(super) fn view(
     let (following_mm_s, longer_mm) = if facets_count {
         let [here, longer] = run.following.each_ref().map(followed);
         // What slides are late by is told by their delays.
-        let grows_mm_s = (longer.0 - here.0) / FOLLOWING_STEP_S - delayed_mm_s.dot(&map.longer);
+        let grows_mm_s = (longer.0 - here.0) / run.following_step_s - delayed_mm_s.dot(&map.longer);
         (grows_mm_s, apart_s * (here.1 - delayed_mm_s))
     } else if detail == Detail::Full {
         let [here, longer] = run.following.each_ref().map(inside_mm);
-        ((here.0 - longer.0) / FOLLOWING_STEP_S, -apart_s * here.1)
+        ((here.0 - longer.0) / run.following_step_s, -apart_s * here.1)
     } else {
         // While times are known to a second only, a radius tells no lag.
         (0.0, Vector3::zeros())
