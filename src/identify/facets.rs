@@ -18,9 +18,6 @@ const FARTHEST_S: f64 = 2.0;
 const STEPS_A_CATCH: f64 = 8.0;
 /// And most steps either way.
 const MOST_STEPS: f64 = 800.0;
-/// A leg's chords are found where it is less likely than this to lie anywhere else: a test has some twenty legs, and one on a wrong
-/// chord draws the others after it.
-const ELSEWHERE: f64 = 1e-3;
 /// Neighbouring readings are not independent: their misfits count half.
 const CORRELATED: f64 = 2.0;
 
@@ -101,10 +98,10 @@ pub(super) fn find(model: &Model, values: &[f64], run: &mut RunInput, look: Look
             misfits.iter().map(|(shift_s, misfit)| (*shift_s, cost(*shift_s, misfit))).collect();
         let peaks = peaks(&costs);
         let Some(best) = peaks.iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
-        let [mass, first_s, second_s2, outside, outside_s2] = moments(&costs, best.0, catch_s);
+        let [mass, first_s, second_s2, outside_s2] = moments(&costs, best.0, catch_s);
         let map = &mut run.alignment.time_map;
         let outside_s = (outside_s2 / mass).sqrt();
-        if visible && outside < ELSEWHERE * mass {
+        if visible && outside_s < catch_s {
             found |= map.chords[leg].blur_s > 0.0;
             map.chords[leg].see();
             map.offsets_s[leg] -= best.0;
@@ -204,18 +201,17 @@ pub(super) fn doubts(
         .collect()
 }
 
-/// Of shifts with minus the logarithm of how likely each is: mass, and moments about one of them, s and s²; the mass of those that
-/// are more than a catch from it, and its second moment. The likeliest has the mass 1.
-fn moments(costs: &[(f64, f64)], about_s: f64, catch_s: f64) -> [f64; 5] {
+/// Of shifts with minus the logarithm of how likely each is: mass, and moments about one of them, s and s²; the last one of those that
+/// are more than a catch from it. The likeliest has the mass 1.
+fn moments(costs: &[(f64, f64)], about_s: f64, catch_s: f64) -> [f64; 4] {
     // Of a curve that still falls at an end no peak is the lowest.
     let lowest = costs.iter().fold(f64::INFINITY, |lowest, one| lowest.min(one.1));
-    costs.iter().fold([0.0; 5], |sum, (shift_s, cost)| {
+    costs.iter().fold([0.0; 4], |[mass, first, second, outside], (shift_s, cost)| {
         let (weight, aside_s) = ((lowest - cost).exp(), shift_s - about_s);
         let square = weight * aside_s.powi(2);
         // Inside the catch the fit tells the offset and how well it does.
-        let outside = f64::from(u8::from(aside_s.abs() > catch_s));
-        let of = [weight, weight * aside_s, square, outside * weight, outside * square];
-        std::array::from_fn(|k| sum[k] + of[k])
+        let outside = if aside_s.abs() > catch_s { outside + square } else { outside };
+        [mass + weight, first + weight * aside_s, second + square, outside]
     })
 }
 
