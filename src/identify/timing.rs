@@ -75,9 +75,7 @@ pub(super) struct View {
     pub(super) errors: ChainErrors,
 }
 
-/// Within which time constant the slides plausibly follow, s.
-pub(super) const FOLLOWING_S: f64 = 0.02;
-/// And by which share that of one slide is longer than that of another: loops of one machine are tuned alike to a tenth.
+/// By which share the time constant of one slide plausibly is longer than that of another: loops of one machine are tuned alike to a tenth.
 pub(super) const LONGER: f64 = 0.1;
 /// More than by this share none is, five of its deviations: no step makes a time constant negative.
 pub(super) const FARTHEST: f64 = 0.5;
