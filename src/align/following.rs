@@ -210,6 +210,8 @@ impl Following {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use std::fmt::Write as _;
+
     use super::*;
 
     #[test]
@@ -234,7 +236,7 @@ mod tests {
             let angle_rad = std::f64::consts::PI * f64::from(k) / f64::from(chords);
             let (y, x) = angle_rad.sin_cos();
             let feed = if k == 1 { " F1000." } else { "" };
-            program += &format!("G01 X{:.4} Y{:.4}{feed}\n", radius_mm * x, radius_mm * y);
+            writeln!(program, "G01 X{:.4} Y{:.4}{feed}", radius_mm * x, radius_mm * y).unwrap();
         }
         program += "M30\n%\n";
         let program = crate::nc::read(&program, "O1.nc".as_ref(), &reading).unwrap();
