@@ -40,6 +40,7 @@ impl Fit<'_> {
         let noise = self.noise(&left_mm, outcome)?;
         // Slides that seem to follow at once may lag all the same.
         self.state.at_once.fill(false);
+        self.differ_by_sigma()?;
         let solution = self.solve(&self.rows()?)?;
         let outcome = &Outcome { solution, ..*outcome };
         let covariance = outcome.solution.covariance_sandwich(&self.filtered(&noise)?)?;
@@ -97,6 +98,17 @@ impl Fit<'_> {
             steps,
             cautions,
         })
+    }
+
+    /// From now on all that time constants plausibly are counts, not what their first millisecond does.
+    fn differ_by_sigma(&mut self) -> Result<()> {
+        let covariance = self.solve(&self.rows()?)?.covariance_unscaled();
+        for (index, run) in self.runs.iter_mut().enumerate() {
+            let column = self.columns.following(index);
+            run.differ_by(covariance.own[index][(column, column)].max(0.0).sqrt());
+        }
+        self.place();
+        Ok(())
     }
 
     /// What is left of the readings that take part, mm.
