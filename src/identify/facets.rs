@@ -27,6 +27,13 @@ pub(super) fn catch_s(map: &TimeMap, leg: usize) -> f64 {
     if chord_s > 0.0 { (0.25 * chord_s).min(CATCH_S) } else { CATCH_S }
 }
 
+/// Known to this part of its catch a leg is not looked for elsewhere.
+const KNOWN: f64 = 0.1;
+/// Facets are driven where that is so many times likelier than that they are rounded out.
+const DRIVEN: f64 = 20.0;
+/// What a control may leave of them, or slides that follow.
+const PARTS: [f64; 3] = [1.0, 0.5, 0.25];
+
 /// Which legs are looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Look {
@@ -40,85 +47,175 @@ pub(super) enum Look {
 /// at the reversals fit best, if they tell it.
 ///
 /// For a shift `d` the slow part of the prediction is held, and what is told by steps and facets is
-/// looked up anew. With `S(d)` the sum of squares with steps alone, as near as slides turn round with the program, `G(d)` by how much facets lower it, `s²` the least mean
-/// of what is left, and `sigma` what is known of the offset otherwise,
+/// looked up anew. With `S(d)` the sum of squares with steps alone, as near as slides turn round with the program, `G(d)` by how
+/// much facets lower it, `s²` the least mean of what is left, and `sigma` what is known of the offset otherwise,
 ///
 /// `p(d) ~ exp(-S(d) / 2 s² - d² / 2 sigma²) (1 + exp(G(d) / 2 s²)) / 2`:
 ///
-/// a control may as well have rounded all facets out. Where its deviation is more than the catch of a facet, or where the
+/// a control may as well have rounded all facets out. Where all legs together [do not tell](are_driven) that it drove them,
+/// `G` is nothing. There, where the deviation of the offset is more than the catch of a facet, or where the
 /// pace lets times differ by more along the leg, the slope at a reading is not that of its chord: the path counts by
 /// its mean, and `p` by its mean and its variance, what `sigma` knows left out. Whether the facets of any leg were
 /// found that were not known before.
 pub(super) fn find(model: &Model, values: &[f64], run: &mut RunInput, look: Look) -> bool {
-    let mut found = false;
-    let stride = stride(run.samples().len());
-    for leg in run.alignment.legs() {
+    let sees = |leg: &usize| run.alignment.time_map.chords[*leg].blur_s <= 0.0;
+    let legs = run.alignment.legs();
+    let samples = run.samples();
+    let chorded = |leg: usize| {
+        let mut of_leg = samples.iter().filter(|sample| sample.leg == leg);
+        run.alignment.time_map.chords[leg].lasts_s > 0.0
+            && of_leg.any(|sample| matches!(sample.part, Part::Arc(_)))
+    };
+    let seen = look == Look::Again && legs.iter().any(|&leg| chorded(leg) && sees(&leg));
+    let looked = legs.into_iter().filter(|leg| look == Look::First || !sees(leg));
+    let looked: Vec<Looked> =
+        looked.filter_map(|leg| Looked::of_leg(model, values, run, leg)).collect();
+    let driven = seen || are_driven(&looked);
+    let map = &mut run.alignment.time_map;
+    looked.iter().fold(false, |found, looked| looked.lay(map, driven) | found)
+}
+
+/// Whether the facets of a path were driven: by more than [`DRIVEN`] times likelier than that a control rounded all of them out.
+///
+/// How much it leaves of them is the same for all legs of a run. Of a leg a part `a` of them changes how likely its readings are by
+///
+/// `∫ p(d) exp((2 a b(d) - a² f(d)) / 2 s²) dd`, `p(d) ~ exp(-S(d) / 2 s² - d² / 2 sigma²)`,
+///
+/// with `b` the product of facets with what is left without them and `f` their square.
+fn are_driven(looked: &[Looked]) -> bool {
+    let visible = || looked.iter().filter(|looked| looked.visible);
+    let told = PARTS.map(|part| visible().map(|looked| looked.likelier(part)).sum::<f64>());
+    let most = told.into_iter().fold(f64::NEG_INFINITY, f64::max);
+    visible().next().is_none() || most > (DRIVEN * PARTS.len() as f64).ln()
+}
+
+/// A leg that was looked at.
+struct Looked {
+    leg: usize,
+    /// Part of a chord within which facets tell the offset, s.
+    catch_s: f64,
+    /// By so much times differ along the leg that no offset takes up, s.
+    along_s: f64,
+    /// Between two shifts, s.
+    step_s: f64,
+    /// Where the offset lies by all but what chords and reversals told before, as a shift from here, and how well that is known, s.
+    untold_s: [f64; 2],
+    /// Whether the offset is known so well that no other place is looked at.
+    known: bool,
+    /// Whether times are known well enough along the leg for its facets to be seen.
+    visible: bool,
+    /// Whether the program steps where slides turn round.
+    steps: bool,
+    /// What the square of what is left is counted in, mm².
+    scale_mm2: f64,
+    misfits: Vec<(f64, Misfit)>,
+}
+
+impl Looked {
+    /// None where nothing is left of its readings.
+    fn of_leg(model: &Model, values: &[f64], run: &RunInput, leg: usize) -> Option<Self> {
         let map = &run.alignment.time_map;
-        let (sigma_s, catch_s, chord_s) =
-            (map.offset_sigmas_s[leg], catch_s(map, leg), map.chords[leg].lasts_s);
-        if look == Look::Again && map.chords[leg].blur_s <= 0.0 {
-            continue;
-        }
-        if sigma_s < 0.1 * catch_s {
-            found |= map.chords[leg].blur_s > 0.0;
-            run.alignment.time_map.chords[leg].see();
-            continue;
-        }
-        let held = LegReadings::of_leg(model, values, run, leg, stride);
-        // By so much times differ along the leg that no offset takes up.
+        let (catch_s, chords) = (catch_s(map, leg), &map.chords[leg]);
+        let held = LegReadings::of_leg(model, values, run, leg, stride(run.samples().len()));
         let along_s = 0.5 * held.lasts_s() * map.rate_sigma.hypot(map.pace_sigma);
-        let visible = chord_s > 0.0 && along_s < catch_s;
-        // Where the offset lies by all but what chords and reversals told before, as a shift from here.
-        let [prior_s, sigma_s] =
-            map.chords[leg].untold_s(map.offsets_s[leg], map.offset_sigmas_s[leg]);
-        if !visible && run.alignment.steps(leg) {
-            // What the program steps the machine steps back: where neither is seen by itself, they tell no time.
-            run.alignment.time_map.chords[leg].blur(sigma_s, None);
-            continue;
-        }
-        let reach_s = (4.0 * sigma_s).clamp(5.0 * catch_s, FARTHEST_S);
+        let known = map.offset_sigmas_s[leg] < KNOWN * catch_s;
+        let visible = chords.lasts_s > 0.0 && (known || along_s < catch_s);
+        let untold_s = chords.untold_s(map.offsets_s[leg], map.offset_sigmas_s[leg]);
+        let steps = run.alignment.steps(leg);
+        let reach_s = if known || steps && !visible {
+            0.0
+        } else {
+            (4.0 * untold_s[1]).clamp(5.0 * catch_s, FARTHEST_S)
+        };
         let step_s = (catch_s / STEPS_A_CATCH).max(reach_s / MOST_STEPS);
         let reach = (reach_s / step_s).ceil() as i32;
         let shifts = (-reach..=reach).into_par_iter().map(|k| f64::from(k) * step_s);
         let misfits: Vec<(f64, Misfit)> =
             shifts.map(|shift_s| (shift_s, held.misfit(shift_s, visible))).collect();
-        let left = misfits.iter().map(|(_, misfit)| misfit.steps - misfit.facets);
-        let least = left.fold(f64::INFINITY, f64::min);
-        let scale = CORRELATED * least / held.readings.len().max(1) as f64;
-        if scale <= 0.0 {
-            continue;
+        let left = misfits.iter().map(|(_, misfit)| misfit.steps_mm2 - misfit.facets_mm2());
+        let least_mm2 = left.fold(f64::INFINITY, f64::min) / held.readings.len().max(1) as f64;
+        let scale_mm2 = 2.0 * CORRELATED * least_mm2;
+        (scale_mm2 > 0.0).then_some(Self {
+            leg,
+            catch_s,
+            along_s,
+            step_s,
+            untold_s,
+            known,
+            visible,
+            steps,
+            scale_mm2,
+            misfits,
+        })
+    }
+
+    /// Minus the logarithm of how likely a shift is without facets.
+    fn cost(&self, shift_s: f64, misfit: &Misfit) -> f64 {
+        let [prior_s, sigma_s] = self.untold_s;
+        misfit.steps_mm2 / self.scale_mm2 + 0.5 * ((shift_s - prior_s) / sigma_s).powi(2)
+    }
+
+    /// By how much likelier its readings are with this part of its facets than without any, as a logarithm.
+    fn likelier(&self, part: f64) -> f64 {
+        let with_and_without = |(shift_s, misfit): &(f64, Misfit)| {
+            let cost = self.cost(*shift_s, misfit);
+            [cost - misfit.part_mm2(part) / self.scale_mm2, cost]
+        };
+        let costs: Vec<[f64; 2]> = self.misfits.iter().map(with_and_without).collect();
+        let [with, without] = [0, 1].map(|which| {
+            let of = || costs.iter().map(|costs| costs[which]);
+            let lowest = of().fold(f64::INFINITY, f64::min);
+            of().map(|cost| (lowest - cost).exp()).sum::<f64>().ln() - lowest
+        });
+        with - without
+    }
+
+    /// Lays the leg where it fits best; whether its facets were found and not known before.
+    fn lay(&self, map: &mut TimeMap, driven: bool) -> bool {
+        let (leg, visible) = (self.leg, self.visible && driven);
+        let sees = map.chords[leg].blur_s <= 0.0;
+        let [prior_s, sigma_s] = self.untold_s;
+        if self.known {
+            match (driven, sees) {
+                (true, _) => map.chords[leg].see(),
+                (false, true) => map.chords[leg].blur(map.offset_sigmas_s[leg], None),
+                (false, false) => {}
+            }
+            return driven && !sees;
         }
-        let cost = |shift_s: f64, misfit: &Misfit| {
-            let gain = 0.5 * misfit.facets / scale;
+        if !visible && self.steps {
+            // What the program steps the machine steps back: where neither is seen by itself, they tell no time.
+            map.chords[leg].blur(sigma_s, None);
+            return false;
+        }
+        let cost = |(shift_s, misfit): &(f64, Misfit)| {
+            let gain = if visible { misfit.facets_mm2() / self.scale_mm2 } else { 0.0 };
             // ln(1 + exp(gain)), whatever the gain
             let seen = gain.max(0.0) + (-gain.abs()).exp().ln_1p();
-            0.5 * (misfit.steps / scale + ((shift_s - prior_s) / sigma_s).powi(2)) - seen
+            (*shift_s, self.cost(*shift_s, misfit) - seen)
         };
-        let costs: Vec<(f64, f64)> =
-            misfits.iter().map(|(shift_s, misfit)| (*shift_s, cost(*shift_s, misfit))).collect();
+        let costs: Vec<(f64, f64)> = self.misfits.iter().map(cost).collect();
         let peaks = peaks(&costs);
-        let Some(best) = peaks.iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
-        let [mass, first_s, second_s2, outside_s2] = moments(&costs, best.0, catch_s);
-        let map = &mut run.alignment.time_map;
+        let Some(best) = peaks.iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { return false };
+        let [mass, first_s, second_s2, outside_s2] = moments(&costs, best.0, self.catch_s);
         let outside_s = (outside_s2 / mass).sqrt();
-        if visible && outside_s < catch_s {
-            found |= map.chords[leg].blur_s > 0.0;
+        if visible && outside_s < self.catch_s {
             map.chords[leg].see();
             map.offsets_s[leg] -= best.0;
-            map.offset_sigmas_s[leg] = step_s;
+            map.offset_sigmas_s[leg] = self.step_s;
             map.chords[leg].ambiguity_s = outside_s;
-            continue;
+            return !sees;
         }
         let mean_s = best.0 + first_s / mass;
-        let variance_s2 = (second_s2 / mass - (first_s / mass).powi(2)).max(step_s.powi(2));
+        let variance_s2 = (second_s2 / mass - (first_s / mass).powi(2)).max(self.step_s.powi(2));
         let told = variance_s2.recip() - sigma_s.powi(2).recip();
         let told_s = (told > 0.0).then(|| {
             let shift_s = (mean_s / variance_s2 - prior_s / sigma_s.powi(2)) / told;
-            [map.offsets_s[leg] - shift_s, told.recip().sqrt().hypot(along_s)]
+            [map.offsets_s[leg] - shift_s, told.recip().sqrt().hypot(self.along_s)]
         });
         map.chords[leg].blur(sigma_s, told_s);
+        false
     }
-    found
 }
 
 /// A leg that leaves this many times the mean square of the others did not find its facets.
@@ -261,9 +358,28 @@ fn turning_mm([before_mm, after_mm]: [f64; 2], since_s: f64, window_s: f64) -> f
 /// What a shift of a leg leaves.
 struct Misfit {
     /// Sum of squares with the steps at reversals, mm².
-    steps: f64,
-    /// By how much facets lower it, mm².
-    facets: f64,
+    steps_mm2: f64,
+    /// Sum of the products of that with facets, mm².
+    both_mm2: f64,
+    /// Sum of squares of facets, mm²; 0 where they are not seen.
+    squares_mm2: f64,
+}
+
+impl Misfit {
+    /// By how much a part of the facets lowers the sum of squares, mm².
+    fn part_mm2(&self, part: f64) -> f64 {
+        part * (2.0 * self.both_mm2 - part * self.squares_mm2)
+    }
+
+    /// By how much the part of them does that fits best, from none to all, mm²: by how much a control rounds facets out is not
+    /// known yet.
+    fn facets_mm2(&self) -> f64 {
+        if self.squares_mm2 > 0.0 {
+            self.part_mm2((self.both_mm2 / self.squares_mm2).clamp(0.0, 1.0))
+        } else {
+            0.0
+        }
+    }
 }
 
 /// The readings of a leg, each with what a shift of the leg leaves of its prediction.
@@ -311,10 +427,7 @@ impl<'a> LegReadings<'a> {
         if alignment.averaged > 1 { alignment.sample_period_s } else { 0.0 }
     }
 
-    /// Sum of squares with steps a shift later, and by how much facets lower it.
-    ///
-    /// `min over a of sum (left - a (facet - mean facet))²`, `0 <= a <= 1`: by how much a control rounds facets out is not
-    /// known yet.
+    /// Sums of squares with steps a shift later, and of facets about their mean.
     fn misfit(&self, shift_s: f64, visible: bool) -> Misfit {
         let alignment = &self.run.alignment;
         let (coincidence_mm, trajectory) = (alignment.coincidence_mm(), &alignment.trajectory);
@@ -370,11 +483,8 @@ impl<'a> LegReadings<'a> {
             both += left_mm * aside_mm;
             facets += aside_mm.powi(2);
         }
-        if !visible || facets <= 0.0 {
-            return Misfit { steps: left, facets: 0.0 };
-        }
-        let share = (both / facets).clamp(0.0, 1.0);
-        Misfit { steps: left, facets: share * (2.0 * both - share * facets) }
+        let squares_mm2 = if visible { facets } else { 0.0 };
+        Misfit { steps_mm2: left, both_mm2: both, squares_mm2 }
     }
 }
 
@@ -392,6 +502,38 @@ mod tests {
             told.iter().zip([1.0, 2.0, 4.0, 4.0]).all(|(a, b)| (a - b).abs() < 1e-12),
             "{told:?}"
         );
+    }
+
+    /// Eight legs, with as much left of their facets at one place of 21, and elsewhere nothing.
+    fn legs(left: f64) -> Vec<Looked> {
+        let misfit = |k: i32| {
+            let both_mm2 = if k == 3 { 10.0 * left } else { 0.0 };
+            (1e-3 * f64::from(k), Misfit { steps_mm2: 200.0, both_mm2, squares_mm2: 10.0 })
+        };
+        let looked = |leg: usize| Looked {
+            leg,
+            catch_s: 1e-3,
+            along_s: 0.0,
+            step_s: 1e-3,
+            untold_s: [0.0, 0.02],
+            known: false,
+            visible: true,
+            steps: false,
+            scale_mm2: 1.0,
+            misfits: (-10..=10).map(misfit).collect(),
+        };
+        (0..8).map(looked).collect()
+    }
+
+    #[test]
+    fn all_legs_together_tell_whether_facets_were_driven() {
+        assert!(are_driven(&legs(1.0)) && are_driven(&legs(0.7)));
+        // Some part of so small facets fits, of any noise; all of them do not.
+        assert!(!are_driven(&legs(0.0)) && !are_driven(&legs(0.1)));
+        // One leg alone does not tell 20 to 1 beside the places that it may lie at.
+        assert!(!are_driven(&legs(0.5)[..1]));
+        // Where none can be seen nothing speaks against them.
+        assert!(are_driven(&[]));
     }
 
     #[test]
