@@ -3,12 +3,12 @@
 use std::ops::Range;
 
 use super::fit::{Fit, Outcome};
-use super::input::RunInput;
+use super::input::{FOLLOWING_S, RunInput};
 use super::record::Record;
 use super::result::{Estimate, Identification, IdentifiedRun};
 use super::state::State;
 use super::timing::Detail;
-use super::{cautions, residuals};
+use super::{cautions, residuals, timing};
 use crate::align::Sample;
 use crate::error::Result;
 use crate::solve::{
@@ -25,6 +25,8 @@ pub(super) struct Decided {
     pub(super) left_open: Option<Matrix>,
 }
 
+/// A lag whose deviation is more than this part of what is plausible is not told by the readings.
+const UNTOLD: f64 = 0.5;
 /// How often the noise model is told what the fit has taken out of its own residuals.
 const NOISE_PASSES: usize = 3;
 /// Noise hangs together for no longer than that whose correlation falls to a third within half of this time, s: so many
@@ -38,9 +40,7 @@ impl Fit<'_> {
         let used = self.used_mm(&left_mm);
         let rms_mm = residuals::rms(&used);
         let noise = self.noise(&left_mm, outcome)?;
-        // Slides that seem to follow at once may lag all the same.
-        self.state.at_once.fill(false);
-        self.differ_by_sigma()?;
+        self.consider_lags()?;
         let solution = self.solve(&self.rows()?)?;
         let outcome = &Outcome { solution, ..*outcome };
         let covariance = outcome.solution.covariance_sandwich(&self.filtered(&noise)?)?;
@@ -51,6 +51,9 @@ impl Fit<'_> {
         for (index, run) in self.runs.iter_mut().enumerate() {
             let map = &mut run.alignment.time_map;
             self.columns.state_driving(index, map, &with_plausible.own[index]);
+            if self.state.at_once[index] {
+                map.following_sigma_s = FOLLOWING_S;
+            }
         }
         let shared = outcome.solution.shared();
         let known = self.known(&outcome.solution);
@@ -100,15 +103,35 @@ impl Fit<'_> {
         })
     }
 
-    /// From now on all that time constants plausibly are counts, not what their first millisecond does.
-    fn differ_by_sigma(&mut self) -> Result<()> {
+    /// From now on all that time constants plausibly are counts, not what their first millisecond does. One that the readings do not
+    /// tell takes no part in the fit, but stands beside it: what it would do is [considered](Self::considered).
+    pub(super) fn consider_lags(&mut self) -> Result<()> {
+        // Slides that seem to follow at once may lag all the same.
+        self.state.at_once.fill(false);
         let covariance = self.solve(&self.rows()?)?.covariance_unscaled();
         for (index, run) in self.runs.iter_mut().enumerate() {
             let column = self.columns.following(index);
-            run.differ_by(covariance.own[index][(column, column)].max(0.0).sqrt());
+            let sigma_s = covariance.own[index][(column, column)].max(0.0).sqrt();
+            run.differ_by(sigma_s);
+            self.state.at_once[index] = self.state.knows() && sigma_s > UNTOLD * FOLLOWING_S;
         }
         self.place();
         Ok(())
+    }
+
+    /// How the coefficients err where the slides of all runs whose lag the readings do not tell follow later by what is plausible:
+    /// `dx/dT`, summed over the runs, times [`FOLLOWING_S`].
+    ///
+    /// It is the lag of one machine, and of all its runs the same: what runs at two places differ by, it does not explain. With
+    /// the variance `s²` of a lag that is all but held its covariance with the coefficients is `s² dx/dT`.
+    fn considered(&self, solution: &BorderedSolution, inverse: &Matrix) -> Vec<f64> {
+        let held = (0..self.runs.len()).filter(|index| self.state.at_once[*index]);
+        held.fold(vec![0.0; self.columns.coefficients], |all, index| {
+            let (_, ratio) = solution.elimination(index);
+            let with = inverse.times_vector(ratio.row(self.columns.following(index)));
+            let times = FOLLOWING_S / timing::AT_ONCE_S.powi(2);
+            all.iter().zip(with).map(|(all, with)| all - times * with).collect()
+        })
     }
 
     /// What is left of the readings that take part, mm.
@@ -163,9 +186,15 @@ impl Fit<'_> {
         let mut open: Vec<Vec<f64>> = (0..count)
             .map(|k| inverse.row(k).iter().map(|covariance| covariance / sigma(k)).collect())
             .collect();
+        let mut considered = Some(self.considered(solution, &inverse));
         for index in 0..self.runs.len() {
             let (_, ratio) = solution.elimination(index);
             for (column, _, sigma) in self.driven(index) {
+                if self.state.at_once[index] && column == self.columns.following(index) {
+                    // Of all that are held, beside the first.
+                    open.push(considered.take().unwrap_or_else(|| vec![0.0; count]));
+                    continue;
+                }
                 let with = inverse.times_vector(ratio.row(column));
                 open.push(with.into_iter().map(|covariance| -covariance / sigma).collect());
             }
