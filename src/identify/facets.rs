@@ -6,7 +6,7 @@ use super::input::RunInput;
 use super::leg_readings::{LegReadings, Misfit};
 use super::record::Apart;
 use super::timing::{Detail, stride, view};
-use crate::align::{MarkKind, Part, TimeMap};
+use crate::align::{MarkKind, TimeMap};
 use crate::machine::Pose;
 use crate::model::Model;
 
@@ -29,17 +29,17 @@ pub(super) fn catch_s(map: &TimeMap, leg: usize) -> f64 {
 
 /// Known to this part of its catch a leg is not looked for elsewhere.
 const KNOWN: f64 = 0.1;
-/// Facets are driven where that is so many times likelier than that they are rounded out.
-const DRIVEN: f64 = 20.0;
-/// What a control may leave of them, or slides that follow.
-const PARTS: [f64; 3] = [1.0, 0.5, 0.25];
+/// The logarithm of a thousand.
+const LN_1000: f64 = 6.9;
+/// What a control may leave of facets, or slides that follow.
+const PARTS: [f64; 2] = [0.5, 0.25];
 
 /// Which legs are looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Look {
     /// All.
     First,
-    /// Those whose facets were not found.
+    /// Those whose facets do not count yet; of the others only whether they were driven.
     Again,
 }
 
@@ -52,41 +52,34 @@ pub(super) enum Look {
 ///
 /// `p(d) ~ exp(-S(d) / 2 s² - d² / 2 sigma²) (1 + exp(G(d) / 2 s²)) / 2`:
 ///
-/// a control may as well have rounded all facets out. Where all legs together [do not tell](are_driven) that it drove them,
-/// `G` is nothing. There, where the deviation of the offset is more than the catch of a facet, or where the
+/// a control may as well have rounded all facets out, and where all legs together [tell](are_rounded_out) that it has, `G` is
+/// nothing. There, where the deviation of the offset is more than the catch of a facet, or where the
 /// pace lets times differ by more along the leg, the slope at a reading is not that of its chord: the path counts by
-/// its mean, and `p` by its mean and its variance, what `sigma` knows left out. Whether the facets of any leg were
-/// found that were not known before.
+/// its mean, and `p` by its mean and its variance, what `sigma` knows left out. Whether the facets of any leg count that did not,
+/// or no more.
 pub(super) fn find(model: &Model, values: &[f64], run: &mut RunInput, look: Look) -> bool {
-    let sees = |leg: &usize| run.alignment.time_map.chords[*leg].blur_s <= 0.0;
-    let legs = run.alignment.legs();
-    let samples = run.samples();
-    let chorded = |leg: usize| {
-        let mut of_leg = samples.iter().filter(|sample| sample.leg == leg);
-        run.alignment.time_map.chords[leg].lasts_s > 0.0
-            && of_leg.any(|sample| matches!(sample.part, Part::Arc(_)))
-    };
-    let seen = look == Look::Again && legs.iter().any(|&leg| chorded(leg) && sees(&leg));
-    let looked = legs.into_iter().filter(|leg| look == Look::First || !sees(leg));
+    let legs = run.alignment.legs().into_iter();
     let looked: Vec<Looked> =
-        looked.filter_map(|leg| Looked::of_leg(model, values, run, leg)).collect();
-    let driven = seen || are_driven(&looked);
+        legs.filter_map(|leg| Looked::of_leg(model, values, run, leg, look)).collect();
+    let rounded_out = are_rounded_out(&looked);
     let map = &mut run.alignment.time_map;
-    looked.iter().fold(false, |found, looked| looked.lay(map, driven) | found)
+    looked.iter().fold(false, |changed, looked| looked.lay(map, rounded_out) | changed)
 }
 
-/// Whether the facets of a path were driven: by more than [`DRIVEN`] times likelier than that a control rounded all of them out.
+/// Whether the facets of a path were rounded out: a thousand times likelier than that they were driven, and likelier than that a part of
+/// them was.
 ///
-/// How much it leaves of them is the same for all legs of a run. Of a leg a part `a` of them changes how likely its readings are by
+/// How much a control leaves of them is the same for all legs of a run. Of a leg a part `a` of them changes how likely its readings
+/// are by
 ///
-/// `∫ p(d) exp((2 a b(d) - a² f(d)) / 2 s²) dd`, `p(d) ~ exp(-S(d) / 2 s² - d² / 2 sigma²)`,
+/// `∫ p(d) exp((2 a b(d) - a² f(d)) / 2 s²) dd`, `p(d) ~ exp(-S(d) / 4 s² - d² / 2 sigma²)`,
 ///
-/// with `b` the product of facets with what is left without them and `f` their square.
-fn are_driven(looked: &[Looked]) -> bool {
+/// with `b` the product of facets with what is left without them and `f` their square. What hangs together among neighbours is slow
+/// against facets: here each reading counts for itself, or what they have would be taken for what they have not.
+fn are_rounded_out(looked: &[Looked]) -> bool {
     let visible = || looked.iter().filter(|looked| looked.visible);
-    let told = PARTS.map(|part| visible().map(|looked| looked.likelier(part)).sum::<f64>());
-    let most = told.into_iter().fold(f64::NEG_INFINITY, f64::max);
-    visible().next().is_none() || most > (DRIVEN * PARTS.len() as f64).ln()
+    let likelier = |part: f64| visible().map(|looked| looked.likelier(part)).sum::<f64>();
+    likelier(1.0) < -LN_1000 && PARTS.into_iter().all(|part| likelier(part) < 0.0)
 }
 
 /// A leg that was looked at.
@@ -100,7 +93,7 @@ struct Looked {
     step_s: f64,
     /// Where the offset lies by all but what chords and reversals told before, as a shift from here, and how well that is known, s.
     untold_s: [f64; 2],
-    /// Whether the offset is known so well that no other place is looked at.
+    /// Whether no other place is looked at: the offset is known too well, or facets count already.
     known: bool,
     /// Whether times are known well enough along the leg for its facets to be seen.
     visible: bool,
@@ -113,16 +106,30 @@ struct Looked {
 
 impl Looked {
     /// None where nothing is left of its readings.
-    fn of_leg(model: &Model, values: &[f64], run: &RunInput, leg: usize) -> Option<Self> {
+    fn of_leg(
+        model: &Model,
+        values: &[f64],
+        run: &RunInput,
+        leg: usize,
+        look: Look,
+    ) -> Option<Self> {
         let map = &run.alignment.time_map;
         let (catch_s, chords) = (catch_s(map, leg), &map.chords[leg]);
         let held = LegReadings::of_leg(model, values, run, leg, stride(run.samples().len()));
         let along_s = 0.5 * held.lasts_s() * map.rate_sigma.hypot(map.pace_sigma);
-        let known = map.offset_sigmas_s[leg] < KNOWN * catch_s;
+        let counts = look == Look::Again && chords.blur_s <= 0.0;
+        let known = counts || map.offset_sigmas_s[leg] < KNOWN * catch_s;
         let visible = chords.lasts_s > 0.0 && (known || along_s < catch_s);
-        let untold_s = chords.untold_s(map.offsets_s[leg], map.offset_sigmas_s[leg]);
         let steps = run.alignment.steps(leg);
-        let reach_s = if known || steps && !visible {
+        // Within the catch the fit finds a leg by itself, and its offset is no better than that beside what is not fitted yet.
+        let untold_s = if known {
+            [0.0, catch_s]
+        } else {
+            chords.untold_s(map.offsets_s[leg], map.offset_sigmas_s[leg])
+        };
+        let reach_s = if known {
+            catch_s
+        } else if steps && !visible {
             0.0
         } else {
             (4.0 * untold_s[1]).clamp(5.0 * catch_s, FARTHEST_S)
@@ -159,7 +166,7 @@ impl Looked {
     fn likelier(&self, part: f64) -> f64 {
         let with_and_without = |(shift_s, misfit): &(f64, Misfit)| {
             let cost = self.cost(*shift_s, misfit);
-            [cost - misfit.part_mm2(part) / self.scale_mm2, cost]
+            [cost - CORRELATED * misfit.part_mm2(part) / self.scale_mm2, cost]
         };
         let costs: Vec<[f64; 2]> = self.misfits.iter().map(with_and_without).collect();
         let [with, without] = [0, 1].map(|which| {
@@ -170,18 +177,20 @@ impl Looked {
         with - without
     }
 
-    /// Lays the leg where it fits best; whether its facets were found and not known before.
-    fn lay(&self, map: &mut TimeMap, driven: bool) -> bool {
-        let (leg, visible) = (self.leg, self.visible && driven);
-        let sees = map.chords[leg].blur_s <= 0.0;
+    /// Lays the leg where it fits best; whether its facets count now and did not, or no more.
+    fn lay(&self, map: &mut TimeMap, rounded_out: bool) -> bool {
+        let (leg, visible) = (self.leg, self.visible && !rounded_out);
+        let counted = map.chords[leg].blur_s <= 0.0;
         let [prior_s, sigma_s] = self.untold_s;
         if self.known {
-            match (driven, sees) {
-                (true, _) => map.chords[leg].see(),
-                (false, true) => map.chords[leg].blur(map.offset_sigmas_s[leg], None),
-                (false, false) => {}
+            match (rounded_out, counted) {
+                (false, false) => map.chords[leg].see(),
+                (true, true) if self.visible => {
+                    map.chords[leg].blur(map.offset_sigmas_s[leg], None)
+                }
+                _ => return false,
             }
-            return driven && !sees;
+            return counted != (map.chords[leg].blur_s <= 0.0);
         }
         if !visible && self.steps {
             // What the program steps the machine steps back: where neither is seen by itself, they tell no time.
@@ -204,7 +213,7 @@ impl Looked {
             map.offsets_s[leg] -= best.0;
             map.offset_sigmas_s[leg] = self.step_s;
             map.chords[leg].ambiguity_s = outside_s;
-            return !sees;
+            return !counted;
         }
         let mean_s = best.0 + first_s / mass;
         let variance_s2 = (second_s2 / mass - (first_s / mass).powi(2)).max(self.step_s.powi(2));
@@ -348,13 +357,15 @@ mod tests {
         );
     }
 
-    /// Eight legs, with as much left of their facets at one place of 21, and elsewhere nothing.
-    fn legs(left: f64) -> Vec<Looked> {
-        let misfit = |k: i32| {
-            let both_mm2 = if k == 3 { 10.0 * left } else { 0.0 };
-            (1e-3 * f64::from(k), Misfit { steps_mm2: 200.0, both_mm2, squares_mm2: 10.0 })
+    /// Sixteen legs, with so much left of their facets at one place of 21, and elsewhere nothing. Where it is where, chance decides.
+    fn legs(left: f64, squares_mm2: f64) -> Vec<Looked> {
+        let mut drawn: u64 = 3;
+        let mut uniform = || {
+            drawn = drawn.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (drawn >> 11) as f64 / (1_u64 << 53) as f64
         };
-        let looked = |leg: usize| Looked {
+        let mut normal = || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+        let mut looked = |leg: usize| Looked {
             leg,
             catch_s: 1e-3,
             along_s: 0.0,
@@ -363,20 +374,30 @@ mod tests {
             known: false,
             visible: true,
             steps: false,
-            scale_mm2: 1.0,
-            misfits: (-10..=10).map(misfit).collect(),
+            // Twice two times the variance of a reading, 1 mm².
+            scale_mm2: 4.0,
+            misfits: (-10..=10)
+                .map(|k| {
+                    let is = if k == 3 { left * squares_mm2 } else { 0.0 };
+                    let both_mm2 = is + squares_mm2.sqrt() * normal();
+                    (1e-3 * f64::from(k), Misfit { steps_mm2: 200.0, both_mm2, squares_mm2 })
+                })
+                .collect(),
         };
-        (0..8).map(looked).collect()
+        (0..16).map(&mut looked).collect()
     }
 
     #[test]
-    fn all_legs_together_tell_whether_facets_were_driven() {
-        assert!(are_driven(&legs(1.0)) && are_driven(&legs(0.7)));
-        // Some part of so small facets fits, of any noise; all of them do not.
-        assert!(!are_driven(&legs(0.0)) && !are_driven(&legs(0.1)));
-        // One leg alone does not tell 20 to 1 beside the places that it may lie at.
-        assert!(!are_driven(&legs(0.5)[..1]));
-        // Where none can be seen nothing speaks against them.
-        assert!(are_driven(&[]));
+    fn all_legs_together_tell_whether_facets_were_rounded_out() {
+        // A thousand to one tell all of them together, and no leg alone.
+        for squares_mm2 in [6.0, 30.0] {
+            assert!(are_rounded_out(&legs(0.0, squares_mm2)), "{squares_mm2}");
+        }
+        assert!(!are_rounded_out(&legs(0.0, 6.0)[..1]) && !are_rounded_out(&[]));
+        // What has facets is not taken for what has none, however small they are; nor what has a half of them that can be seen.
+        for squares_mm2 in [0.1, 1.0, 3.0, 6.0, 10.0, 30.0] {
+            assert!(!are_rounded_out(&legs(1.0, squares_mm2)), "{squares_mm2}");
+        }
+        assert!(!are_rounded_out(&legs(0.5, 60.0)));
     }
 }
