@@ -55,8 +55,7 @@ pub(super) enum Look {
 /// a control may as well have rounded all facets out, and where all legs together [tell](are_rounded_out) that it has, `G` is
 /// nothing. There, where the deviation of the offset is more than the catch of a facet, or where the
 /// pace lets times differ by more along the leg, the slope at a reading is not that of its chord: the path counts by
-/// its mean, and `p` by its mean and its variance, what `sigma` knows left out. Whether the facets of any leg count that did not,
-/// or no more.
+/// its mean, and `p` by its mean and its variance, what `sigma` knows left out. Whether any leg counts otherwise than before.
 pub(super) fn find(model: &Model, values: &[f64], run: &mut RunInput, look: Look) -> bool {
     let legs = run.alignment.legs().into_iter();
     let looked: Vec<Looked> =
@@ -183,14 +182,13 @@ impl Looked {
         let counted = map.chords[leg].blur_s <= 0.0;
         let [prior_s, sigma_s] = self.untold_s;
         if self.known {
-            match (rounded_out, counted) {
-                (false, false) => map.chords[leg].see(),
-                (true, true) if self.visible => {
-                    map.chords[leg].blur(map.offset_sigmas_s[leg], None)
-                }
-                _ => return false,
+            let changes = self.visible && counted == rounded_out;
+            match (changes, counted) {
+                (true, true) => map.chords[leg].blur(map.offset_sigmas_s[leg], None),
+                (true, false) => map.chords[leg].see(),
+                (false, _) => {}
             }
-            return counted != (map.chords[leg].blur_s <= 0.0);
+            return changes;
         }
         if !visible && self.steps {
             // What the program steps the machine steps back: where neither is seen by itself, they tell no time.
