@@ -29,7 +29,7 @@ pub(super) fn catch_s(map: &TimeMap, leg: usize) -> f64 {
 
 /// Known to this part of its catch a leg is not looked for elsewhere.
 const KNOWN: f64 = 0.1;
-/// The logarithm of a thousand.
+/// Logarithm of a thousand.
 const LN_1000: f64 = 6.9;
 /// What a control may leave of facets, or slides that follow.
 const PARTS: [f64; 2] = [0.5, 0.25];
@@ -65,11 +65,8 @@ pub(super) fn find(model: &Model, values: &[f64], run: &mut RunInput, look: Look
     looked.iter().fold(false, |changed, looked| looked.lay(map, rounded_out) | changed)
 }
 
-/// Whether the facets of a path were rounded out: a thousand times likelier than that they were driven, and likelier than that a part of
-/// them was.
-///
-/// How much a control leaves of them is the same for all legs of a run. Of a leg a part `a` of them changes how likely its readings
-/// are by
+/// Whether the facets of a path were rounded out: a thousand times likelier than that they were driven, and likelier than that a
+/// part was. How much a control leaves is the same for all legs of a run. A part `a` changes how likely the readings of one are by
 ///
 /// `∫ p(d) exp((2 a b(d) - a² f(d)) / 2 s²) dd`, `p(d) ~ exp(-S(d) / 4 s² - d² / 2 sigma²)`,
 ///
@@ -387,7 +384,7 @@ mod tests {
 
     #[test]
     fn all_legs_together_tell_whether_facets_were_rounded_out() {
-        // A thousand to one tell all of them together, and no leg alone.
+        // All of them tell it, and no leg alone.
         for squares_mm2 in [6.0, 30.0] {
             assert!(are_rounded_out(&legs(0.0, squares_mm2)), "{squares_mm2}");
         }
