@@ -27,8 +27,13 @@ pub(super) struct Decided {
 
 /// A lag whose deviation is more than this part of what is plausible is not told by the readings.
 const UNTOLD: f64 = 0.5;
-/// How often the noise model is told what the fit has taken out of its own residuals.
+/// How often the noise model is told what the fit has taken out of its own residuals while readings are weighed by it: to the end,
+/// and what a fit leaves far from the truth would count for noise.
 const NOISE_PASSES: usize = 3;
+/// And at the most of a fit that has come to rest, until it changes by less than [`SETTLED`].
+const MOST_PASSES: usize = 100;
+/// Of the long-run variance.
+const SETTLED: f64 = 1e-3;
 /// Noise hangs together for no longer than that whose correlation falls to a third within half of this time, s: so many
 /// readings count for one. What lasts longer than that is no noise of readings.
 const NOISE_S: f64 = 2.0;
@@ -39,7 +44,7 @@ impl Fit<'_> {
         let left_mm = self.left_mm();
         let used = self.used_mm(&left_mm);
         let rms_mm = residuals::rms(&used);
-        let noise = self.noise(&left_mm, outcome)?;
+        let noise = self.noise(&left_mm, outcome, MOST_PASSES)?;
         self.consider_lags()?;
         let solution = self.solve(&self.rows()?)?;
         let outcome = &Outcome { solution, ..*outcome };
@@ -141,8 +146,8 @@ impl Fit<'_> {
         used.map(|(left_mm, _)| *left_mm).collect()
     }
 
-    /// The noise of what is left.
-    pub(super) fn noise(&self, left_mm: &[Vec<f64>], outcome: &Outcome) -> Result<NoiseModel> {
+    /// The noise of what is left; what the fit has taken out is given back so often.
+    fn noise(&self, left_mm: &[Vec<f64>], outcome: &Outcome, passes: usize) -> Result<NoiseModel> {
         let fitted = self.known(&outcome.solution).rank;
         // The usual bound, 10 log10(N): the higher the sample rate, the longer the noise is in samples.
         // And not so high that what the fit has taken out is half of what such an order sums up.
@@ -161,11 +166,20 @@ impl Fit<'_> {
         // The order stays: on few samples a free one takes what is given back for a correlation without
         // end, asks for more, and runs away.
         let order = noise.phi().len();
-        for _ in 0..NOISE_PASSES {
-            let whole = covariances.with_fitted(fitted, noise.long_run_variance());
-            noise = NoiseModel::fit(&whole, order)?.within(most);
+        for _ in 0..passes {
+            let before = noise.long_run_variance();
+            noise = NoiseModel::fit(&covariances.with_fitted(fitted, before), order)?.within(most);
+            if (noise.long_run_variance() / before - 1.0).abs() < SETTLED {
+                break;
+            }
         }
         Ok(noise)
+    }
+
+    /// For how much more than one reading alone the noise of readings counts whose neighbours err alike.
+    pub(super) fn correlated(&self, left_mm: &[Vec<f64>], outcome: &Outcome) -> Result<f64> {
+        let noise = self.noise(left_mm, outcome, NOISE_PASSES)?;
+        Ok((noise.long_run_variance().sqrt() / noise.sigma()).max(1.0))
     }
 
     /// What the readings decided, and what they left to what is plausible.
