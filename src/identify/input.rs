@@ -95,13 +95,17 @@ impl RunInput {
         &self.samples
     }
 
-    /// From now on the effect of a time constant is told by the difference that its standard deviation makes, s, as far as it is
+    /// From now on the effect of a time constant is told by the difference that this standard deviation makes, s, as far as it is
     /// plausible. Of a radius it is a square: where slides seem to follow at once its slope is nothing, and a lag that nobody can
     /// rule out is not. Of a normal deviation `σ` about nothing the square has the root mean square `√3 σ²`, which is the
     /// difference over `√3 σ` times `σ`.
-    pub(super) fn differ_by(&mut self, sigma_s: f64) {
-        let root_3 = 3.0_f64.sqrt();
-        self.following_step_s = (root_3 * sigma_s).clamp(FOLLOWING_STEP_S, root_3 * FOLLOWING_S);
+    pub(super) fn consider_lag(&mut self, sigma_s: f64) {
+        self.following_step_s = 3.0_f64.sqrt() * sigma_s.min(FOLLOWING_S);
+    }
+
+    /// That standard deviation, s.
+    pub(super) fn considered_s(&self) -> f64 {
+        self.following_step_s / 3.0_f64.sqrt()
     }
 
     /// Lays the samples anew, after the time map has changed.

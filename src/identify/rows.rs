@@ -216,8 +216,13 @@ impl Fit<'_> {
         let map = &alignment.time_map;
         // All runs of a machine have the same lag: what is plausible of it counts once, and not once a run.
         let once_s = FOLLOWING_S * (self.runs.len() as f64).sqrt();
-        let following_s = if self.state.at_once[index] { timing::AT_ONCE_S } else { once_s };
-        let mut driven = vec![(self.columns.following(index), map.following_s, following_s)];
+        // What is held is held where it is.
+        let following = if self.state.at_once[index] {
+            (0.0, timing::AT_ONCE_S)
+        } else {
+            (map.following_s, once_s)
+        };
+        let mut driven = vec![(self.columns.following(index), following.0, following.1)];
         for (column, contrast) in self.columns.delays(index).zip(&self.columns.delays[index]) {
             driven.push((column, map.delays_s.dot(contrast), FOLLOWING_S));
         }

@@ -26,7 +26,7 @@ pub(super) struct Decided {
 }
 
 /// A lag whose deviation is more than this part of what is plausible is not told by the readings.
-const UNTOLD: f64 = 0.5;
+const UNTOLD: f64 = 0.25;
 /// How often the noise model is told what the fit has taken out of its own residuals while readings are weighed by it: to the end,
 /// and what a fit leaves far from the truth would count for noise.
 const NOISE_PASSES: usize = 3;
@@ -54,10 +54,11 @@ impl Fit<'_> {
         let sigmas = solve::standard_deviations(&covariance);
         let with_plausible = outcome.solution.covariance_unscaled();
         for (index, run) in self.runs.iter_mut().enumerate() {
+            let considered_s = run.considered_s();
             let map = &mut run.alignment.time_map;
             self.columns.state_driving(index, map, &with_plausible.own[index]);
             if self.state.at_once[index] {
-                map.following_sigma_s = FOLLOWING_S;
+                map.following_sigma_s = considered_s;
             }
         }
         let shared = outcome.solution.shared();
@@ -108,24 +109,36 @@ impl Fit<'_> {
         })
     }
 
-    /// From now on all that time constants plausibly are counts, not what their first millisecond does. One that the readings do not
-    /// tell takes no part in the fit, but stands beside it: what it would do is [considered](Self::considered).
+    /// A lag that the readings do not tell takes no part in the fit from now on, but stands beside it: all that it plausibly is, not
+    /// what its first millisecond does, is [considered](Self::considered).
     pub(super) fn consider_lags(&mut self) -> Result<()> {
         // Slides that seem to follow at once may lag all the same.
         self.state.at_once.fill(false);
         let covariance = self.solve(&self.rows()?)?.covariance_unscaled();
         for (index, run) in self.runs.iter_mut().enumerate() {
             let column = self.columns.following(index);
-            let sigma_s = covariance.own[index][(column, column)].max(0.0).sqrt();
-            run.differ_by(sigma_s);
-            self.state.at_once[index] = self.state.knows() && sigma_s > UNTOLD * FOLLOWING_S;
+            run.alignment.time_map.following_sigma_s =
+                covariance.own[index][(column, column)].max(0.0).sqrt();
         }
-        self.place();
+        self.hold_lags();
         Ok(())
     }
 
+    /// Holds the lags of runs whose deviations are said to be more than the readings tell of one.
+    pub(super) fn hold_lags(&mut self) {
+        for (run, at_once) in self.runs.iter_mut().zip(&mut self.state.at_once) {
+            let sigma_s = run.alignment.time_map.following_sigma_s;
+            *at_once =
+                self.state.plausible.iter().any(Option::is_some) && sigma_s > UNTOLD * FOLLOWING_S;
+            if *at_once {
+                run.consider_lag(sigma_s);
+            }
+        }
+        self.place();
+    }
+
     /// How the coefficients err where the slides of all runs whose lag the readings do not tell follow later by what is plausible:
-    /// `dx/dT`, summed over the runs, times [`FOLLOWING_S`].
+    /// `dx/dT T`, summed over the runs.
     ///
     /// It is the lag of one machine, and of all its runs the same: what runs at two places differ by, it does not explain. With
     /// the variance `s²` of a lag that is all but held its covariance with the coefficients is `s² dx/dT`.
@@ -134,7 +147,7 @@ impl Fit<'_> {
         held.fold(vec![0.0; self.columns.coefficients], |all, index| {
             let (_, ratio) = solution.elimination(index);
             let with = inverse.times_vector(ratio.row(self.columns.following(index)));
-            let times = FOLLOWING_S / timing::AT_ONCE_S.powi(2);
+            let times = self.runs[index].considered_s() / timing::AT_ONCE_S.powi(2);
             all.iter().zip(with).map(|(all, with)| all - times * with).collect()
         })
     }
