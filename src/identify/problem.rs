@@ -82,8 +82,7 @@ pub struct Problem {
 impl Identification {
     /// The least squares that this fit came to rest at; the model and the options are those of the fit.
     pub fn problem(&self, model: &Model, options: &Options) -> Problem {
-        let mut fit = self.at_rest(model, options, self.counts_mm);
-        fit.hold_lags();
+        let fit = self.at_rest(model, options, self.counts_mm);
         let mut problem = Problem {
             unknowns: Vec::new(),
             about: Vec::new(),
