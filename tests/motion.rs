@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 use ballbar::log::Recording;
 use ballbar::machine::Machine;
-use ballbar::motion::{BlockKind, Reversals, Trajectory};
+use ballbar::motion::{BlockKind, Reversals, Times, Trajectory};
 use ballbar::nc::{self, Reading};
 use nalgebra::Vector3;
 
@@ -285,4 +285,22 @@ fn a_recorded_motion_of_another_program_is_refused_with_the_block() {
     let half = text.lines().count() / 2;
     let cut: String = text.lines().take(half).flat_map(|line| [line, "\n"]).collect();
     assert!(recorded(&cut, SMALL_TEST).is_err());
+}
+
+/// Of the readings that a sample is the mean of, along a chord, round an arc and from one to the other.
+#[test]
+fn the_mean_of_places_is_that_of_each() {
+    let blocks = "G01 X50. Y0. F3000.\nG03 X0. Y50. I-50. J0.\nG01 X-30. Y50.";
+    let trajectory = driven(&machine("", ""), blocks);
+    let moves = trajectory.blocks().iter().filter(|block| block.motion().is_some());
+    let onto_chord_s = moves.map(|block| block.start_s).fold(0.0, f64::max);
+    for count in [1, 2, 5, 20] {
+        for middle_s in [0.6, 1.5, 2.0, onto_chord_s + 0.003] {
+            let times = Times::about(middle_s, 1e-3 * 20.0 / f64::from(count), count as usize);
+            let each = (0..count).map(|k| trajectory.at(times.at_s(f64::from(k))).position_mm);
+            let mean_mm = each.sum::<Vector3<f64>>() / f64::from(count);
+            let told_mm = trajectory.mean_position_mm(&times, trajectory.block_at(middle_s));
+            assert!((told_mm - mean_mm).norm() < 1e-6, "{count} {middle_s}: {told_mm} {mean_mm}");
+        }
+    }
 }

@@ -116,6 +116,24 @@ impl Following {
         self.in_the_mean(mean_mm)
     }
 
+    /// How far inside of an arc of this radius each slide brings the ball that it moves at a speed, mm, and by how much more of its
+    /// time constant, mm/s: the mean over chords of what [`Self::at`] has of them. The bar points from its middle along a unit vector.
+    ///
+    /// The lag `s T_k` of a slide, the mean delay `T` of all taken off, has the mean square `T_k² + (T_k - T)²`, and `d²c/dt²` is
+    /// `v² / R` towards the middle: `n_k² (T_k² + (T_k - T)²) v² / 2 R`.
+    pub fn inside_mm(
+        &self,
+        along: &Vector3<f64>,
+        speed_mm_s: f64,
+        radius_mm: f64,
+    ) -> [Vector3<f64>; 2] {
+        let bends_mm_s2 = along.component_mul(along) * (speed_mm_s.powi(2) / radius_mm);
+        let later_s = self.constants_s.add_scalar(-self.common_s);
+        let squares_s2 =
+            self.constants_s.component_mul(&self.constants_s) + later_s.component_mul(&later_s);
+        [squares_s2 * 0.5, self.constants_s + later_s].map(|of| bends_mm_s2.component_mul(&of))
+    }
+
     /// When slides turn round, s, in order: each while from the program's turn to that of the slide, whichever is first. Of an
     /// even curve both are at once; a slide that leaves a corner slower than it came turns later, one that comes to it slowly
     /// sooner, by up to its time constant.
@@ -192,6 +210,8 @@ impl Following {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use std::fmt::Write as _;
+
     use super::*;
 
     #[test]
@@ -202,6 +222,51 @@ mod tests {
         assert!((mean(&|s| s) - 1.0).abs() < 2e-5);
         // c = t²: x(t + T) = t² + T².
         assert!((mean(&|s| (1.0 - s).powi(2)) - 1.0).abs() < 3e-4);
+    }
+
+    /// The mean of the path over chords lies as far inside as the chords' own mean and [`Following::inside_mm`] say.
+    #[test]
+    fn slides_that_follow_bring_the_ball_inside_the_arc() {
+        let machine = crate::machine::Machine::read("machines/hu40t.toml".as_ref()).unwrap();
+        let mut reading = crate::nc::Reading::of(&machine);
+        reading.work_offsets_mm.insert(54, Vector3::zeros());
+        let (radius_mm, chords) = (50.0, 800);
+        let mut program = "%\nO1\nG21 G17 G90 G94 G64\nG54\nG00 X50. Y0. Z0.\n".to_owned();
+        for k in 1..=chords {
+            let angle_rad = std::f64::consts::PI * f64::from(k) / f64::from(chords);
+            let (y, x) = angle_rad.sin_cos();
+            let feed = if k == 1 { " F1000." } else { "" };
+            writeln!(program, "G01 X{:.4} Y{:.4}{feed}", radius_mm * x, radius_mm * y).unwrap();
+        }
+        program += "M30\n%\n";
+        let program = crate::nc::read(&program, "O1.nc".as_ref(), &reading).unwrap();
+        let trajectory = Trajectory::new(&program, &machine, 1.0);
+        let chord_s = std::f64::consts::PI * radius_mm / f64::from(chords) / (1000.0 / 60.0);
+        for longer in [Vector3::zeros(), Vector3::new(0.2, -0.2, 0.0)] {
+            let [at_once, late] =
+                [0.0, 0.025].map(|time_s| Following::new(&trajectory, time_s, &longer, true));
+            for from_s in [2.0, 3.0, 4.0] {
+                let (mut inside_mm, mut told_mm) = (0.0, 0.0);
+                for step in 0..320 {
+                    let at_s = from_s + chord_s * f64::from(step) / 16.0;
+                    let near = trajectory.block_at(at_s);
+                    let [commanded_mm, followed_mm] =
+                        [&at_once, &late].map(|of| of.at(&trajectory, at_s, near)[0]);
+                    let along = commanded_mm.normalize();
+                    let state = trajectory.at(at_s);
+                    // That slides follow unlike late is no part of it.
+                    let unlike_mm = (0.025 * longer).component_mul(&state.velocity_mm_s);
+                    inside_mm += along.dot(&(commanded_mm - followed_mm - unlike_mm));
+                    let speed_mm_s = state.velocity_mm_s.norm();
+                    told_mm += late.inside_mm(&along, speed_mm_s, radius_mm)[0].sum();
+                }
+                assert!(told_mm > 320.0 * 1e-3, "{from_s}: {told_mm}");
+                assert!(
+                    (inside_mm / told_mm - 1.0).abs() < 0.01,
+                    "{longer:?} {from_s}: {inside_mm} {told_mm}"
+                );
+            }
+        }
     }
 
     /// A slide that has all but met its command on a chord that does not move it turns with the next one, a time constant before one

@@ -194,7 +194,8 @@ impl Alignment {
                 // Delays are those of the time map, all of them.
                 let path_mm = followed_mm + time_map.unlike_s().component_mul(&state.velocity_mm_s);
                 let onto_mm = if blur_s > 0.0 {
-                    self.onto_mean_mm(&path_mm, &moment, blur_s)
+                    let speed_mm_s = state.velocity_mm_s.norm();
+                    self.onto_mean_mm(&path_mm, &moment, blur_s, following, speed_mm_s)
                 } else {
                     Vector3::zeros()
                 };
@@ -285,12 +286,20 @@ impl Alignment {
         self.means.get(leg).and_then(|path| path.as_ref().as_ref())
     }
 
-    /// From the path onto its mean over so long, mm.
-    fn onto_mean_mm(&self, path_mm: &Vector3<f64>, moment: &Moment, over_s: f64) -> Vector3<f64> {
+    /// From the path onto its mean over so long, at a speed at which slides follow, mm.
+    fn onto_mean_mm(
+        &self,
+        path_mm: &Vector3<f64>,
+        moment: &Moment,
+        over_s: f64,
+        following: &Following,
+        speed_mm_s: f64,
+    ) -> Vector3<f64> {
         let ball_mm = path_mm - self.coincidence_mm;
         let along = ball_mm.try_normalize(f64::EPSILON).unwrap_or_else(Vector3::zeros);
         let mean_mm = self.mean_mm(moment.leg, moment.program_s, over_s);
-        along * (self.radius_mm + mean_mm - ball_mm.norm())
+        let [inside_mm, _] = following.inside_mm(&along, speed_mm_s, self.radius_mm);
+        along * (self.radius_mm + mean_mm - inside_mm.sum() - ball_mm.norm())
     }
 
     /// A sample of an arc as it would be a little later on its way, by how slides [follow](Self::following).

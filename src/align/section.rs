@@ -111,6 +111,12 @@ const LAG_STEP_S: f64 = 1e-3;
 /// And until less than this share of it is missing.
 const NEARLY: f64 = 0.01;
 
+/// An acceleration may build up in as long as this although nobody says so, s: controls are set to some tens of milliseconds, and to
+/// more where a machine is heavy.
+const BUILDS_UP_S: f64 = 0.15;
+/// No more than this part of an arc is given up at either end: what is left tells nearly as much.
+const LARGEST_PART: f64 = 0.1;
+
 /// A meridian within this angle of a coordinate plane is meant to lie in it, degrees: its azimuth has one decimal.
 const IN_PLANE_DEG: f64 = 0.15;
 
@@ -145,6 +151,16 @@ impl Section {
     /// How long it takes, s.
     pub(super) fn duration_s(&self) -> f64 {
         self.end_s - self.start_s
+    }
+
+    /// For how long from either end on it is not known where on its way the slides are, s; 0 where it does not begin or end at
+    /// rest. What the way loses in coming to its speed the time takes in, and not how it comes to it: with half of the
+    /// acceleration it takes twice as long, half of which is before its planned begin, and an acceleration that builds up in
+    /// a time `T` adds `T/2`. Of a short arc this is a part, but never less than what twice the acceleration would be off.
+    pub fn comes_to_speed_s(&self) -> [f64; 2] {
+        let most_s = LARGEST_PART * self.duration_s();
+        let of_lag_s = |lag_s: f64| (3.0 * lag_s + 0.5 * BUILDS_UP_S).min(most_s).max(0.5 * lag_s);
+        self.lags_s.map(|lag_s| if lag_s > 0.0 { of_lag_s(lag_s) } else { 0.0 })
     }
 
     /// In what direction it is driven, in words.

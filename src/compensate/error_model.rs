@@ -57,6 +57,8 @@ pub struct ErrorModel {
     pub noise: Matrix,
     /// Covariance by what the test cannot tell from other plausible faults, which all repeats have in common.
     pub open: Matrix,
+    /// The part of it by how the control may have driven.
+    pub driven: Matrix,
     /// Effects beside the parameters: those that all runs had.
     pub held: Vec<Held>,
 }
@@ -107,7 +109,8 @@ impl ErrorModel {
             parameters,
             values: of.values(),
             noise: of.noise(),
-            open: of.open(),
+            open: of.covariance(|of| of.left_open.clone()),
+            driven: of.covariance(Identification::open_by_driving),
             held: of_file.chain(held(campaign, findings)).filter(Held::at_rest).collect(),
         })
     }
@@ -182,9 +185,9 @@ impl Means<'_> {
         })
     }
 
-    fn open(&self) -> Matrix {
+    fn covariance(&self, of: impl Fn(&Identification) -> Option<Matrix>) -> Matrix {
         let each: Vec<Matrix> =
-            self.repeats.iter().filter_map(|of| squared(of.left_open.as_ref())).collect();
+            self.repeats.iter().filter_map(|one| squared(of(one).as_ref())).collect();
         let repeats = self.repeats.len() as f64;
         Matrix::from_fn(self.count, self.count, |i, k| {
             each.iter().map(|of| of[(i, k)]).sum::<f64>() / repeats

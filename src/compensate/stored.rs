@@ -39,6 +39,9 @@ pub struct Stored {
     noise_covariance: Vec<f64>,
     /// The same of what the test cannot tell from other plausible faults.
     open_covariance: Vec<f64>,
+    /// The part of that by how the control may have driven; analyses from before it was told apart have none.
+    #[serde(default)]
+    driven_covariance: Vec<f64>,
     /// Effects beside the parameters.
     effects: Vec<StoredEffect>,
 }
@@ -103,6 +106,7 @@ impl Stored {
                 .collect(),
             noise_covariance: triangle(&model.noise),
             open_covariance: triangle(&model.open),
+            driven_covariance: triangle(&model.driven),
             effects: model.held.iter().map(StoredEffect::of).collect(),
         }
     }
@@ -167,6 +171,10 @@ impl Stored {
             values,
             noise: covariance(&self.noise_covariance, count, "noise_covariance")?,
             open: covariance(&self.open_covariance, count, "open_covariance")?,
+            driven: match self.driven_covariance.as_slice() {
+                [] => Matrix::zeros(count, count),
+                driven => covariance(driven, count, "driven_covariance")?,
+            },
             held: self.effects.iter().map(StoredEffect::checked).collect::<Checked<_>>()?,
         })
     }

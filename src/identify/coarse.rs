@@ -134,7 +134,13 @@ impl Fit<'_> {
         self.find_facets(Look::First);
         let mut outcome = self.iterate_below(Detail::Full, most_mm)?;
         for _ in 0..MOST_LOOKS {
-            if self.state.sigma_mm > most_mm || !self.find_facets(Look::Again) {
+            if self.state.sigma_mm > most_mm {
+                break;
+            }
+            let before = self.kept();
+            if !self.find_facets(Look::Again) {
+                // What this look told of legs is not in their offsets, and is not told.
+                self.back_to(before);
                 break;
             }
             outcome = self.iterate(Detail::Full)?;

@@ -1,12 +1,12 @@
 //! Where chords and reversals of the program put a leg whose time is known coarsely.
 
-use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::input::RunInput;
+use super::leg_readings::{LegReadings, Misfit};
 use super::record::Apart;
-use super::timing::{Detail, SMOOTH_S, TURNING_S, stride, view};
-use crate::align::{MarkKind, Part, Sample, TimeMap};
+use super::timing::{Detail, stride, view};
+use crate::align::{MarkKind, TimeMap};
 use crate::machine::Pose;
 use crate::model::Model;
 
@@ -27,12 +27,19 @@ pub(super) fn catch_s(map: &TimeMap, leg: usize) -> f64 {
     if chord_s > 0.0 { (0.25 * chord_s).min(CATCH_S) } else { CATCH_S }
 }
 
+/// Known to this part of its catch a leg is not looked for elsewhere.
+const KNOWN: f64 = 0.1;
+/// Logarithm of a thousand.
+const LN_1000: f64 = 6.9;
+/// What a control may leave of facets, or slides that follow.
+const PARTS: [f64; 2] = [0.5, 0.25];
+
 /// Which legs are looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Look {
     /// All.
     First,
-    /// Those whose facets were not found.
+    /// Those whose facets do not count yet; of the others only whether they were driven.
     Again,
 }
 
@@ -40,85 +47,179 @@ pub(super) enum Look {
 /// at the reversals fit best, if they tell it.
 ///
 /// For a shift `d` the slow part of the prediction is held, and what is told by steps and facets is
-/// looked up anew. With `S(d)` the sum of squares with steps alone, as near as slides turn round with the program, `G(d)` by how much facets lower it, `s²` the least mean
-/// of what is left, and `sigma` what is known of the offset otherwise,
+/// looked up anew. With `S(d)` the sum of squares with steps alone, as near as slides turn round with the program, `G(d)` by how
+/// much facets lower it, `s²` the least mean of what is left, and `sigma` what is known of the offset otherwise,
 ///
 /// `p(d) ~ exp(-S(d) / 2 s² - d² / 2 sigma²) (1 + exp(G(d) / 2 s²)) / 2`:
 ///
-/// a control may as well have rounded all facets out. Where its deviation is more than the catch of a facet, or where the
+/// a control may as well have rounded all facets out, and where all legs together [tell](are_rounded_out) that it has, `G` is
+/// nothing. There, where the deviation of the offset is more than the catch of a facet, or where the
 /// pace lets times differ by more along the leg, the slope at a reading is not that of its chord: the path counts by
-/// its mean, and `p` by its mean and its variance, what `sigma` knows left out. Whether the facets of any leg were
-/// found that were not known before.
+/// its mean, and `p` by its mean and its variance, what `sigma` knows left out. Whether any leg counts otherwise than before.
 pub(super) fn find(model: &Model, values: &[f64], run: &mut RunInput, look: Look) -> bool {
-    let mut found = false;
-    let stride = stride(run.samples().len());
-    for leg in run.alignment.legs() {
+    let legs = run.alignment.legs().into_iter();
+    let looked: Vec<Looked> =
+        legs.filter_map(|leg| Looked::of_leg(model, values, run, leg, look)).collect();
+    let rounded_out = are_rounded_out(&looked);
+    let map = &mut run.alignment.time_map;
+    looked.iter().fold(false, |changed, looked| looked.lay(map, rounded_out) | changed)
+}
+
+/// Whether the facets of a path were rounded out: a thousand times likelier than that they were driven, and likelier than that a
+/// part was. How much a control leaves is the same for all legs of a run. A part `a` changes how likely the readings of one are by
+///
+/// `∫ p(d) exp((2 a b(d) - a² f(d)) / 2 s²) dd`, `p(d) ~ exp(-S(d) / 4 s² - d² / 2 sigma²)`,
+///
+/// with `b` the product of facets with what is left without them and `f` their square. What hangs together among neighbours is slow
+/// against facets: here each reading counts for itself, or what they have would be taken for what they have not.
+fn are_rounded_out(looked: &[Looked]) -> bool {
+    let visible = || looked.iter().filter(|looked| looked.visible);
+    let likelier = |part: f64| visible().map(|looked| looked.likelier(part)).sum::<f64>();
+    likelier(1.0) < -LN_1000 && PARTS.into_iter().all(|part| likelier(part) < 0.0)
+}
+
+/// A leg that was looked at.
+struct Looked {
+    leg: usize,
+    /// Part of a chord within which facets tell the offset, s.
+    catch_s: f64,
+    /// By so much times differ along the leg that no offset takes up, s.
+    along_s: f64,
+    /// Between two shifts, s.
+    step_s: f64,
+    /// Where the offset lies by all but what chords and reversals told before, as a shift from here, and how well that is known, s.
+    untold_s: [f64; 2],
+    /// Whether no other place is looked at: the offset is known too well, or facets count already.
+    known: bool,
+    /// Whether times are known well enough along the leg for its facets to be seen.
+    visible: bool,
+    /// Whether the program steps where slides turn round.
+    steps: bool,
+    /// What the square of what is left is counted in, mm².
+    scale_mm2: f64,
+    misfits: Vec<(f64, Misfit)>,
+}
+
+impl Looked {
+    /// None where nothing is left of its readings.
+    fn of_leg(
+        model: &Model,
+        values: &[f64],
+        run: &RunInput,
+        leg: usize,
+        look: Look,
+    ) -> Option<Self> {
         let map = &run.alignment.time_map;
-        let (sigma_s, catch_s, chord_s) =
-            (map.offset_sigmas_s[leg], catch_s(map, leg), map.chords[leg].lasts_s);
-        if look == Look::Again && map.chords[leg].blur_s <= 0.0 {
-            continue;
-        }
-        if sigma_s < 0.1 * catch_s {
-            found |= map.chords[leg].blur_s > 0.0;
-            run.alignment.time_map.chords[leg].see();
-            continue;
-        }
-        let held = LegReadings::of_leg(model, values, run, leg, stride);
-        // By so much times differ along the leg that no offset takes up.
+        let (catch_s, chords) = (catch_s(map, leg), &map.chords[leg]);
+        let held = LegReadings::of_leg(model, values, run, leg, stride(run.samples().len()));
         let along_s = 0.5 * held.lasts_s() * map.rate_sigma.hypot(map.pace_sigma);
-        let visible = chord_s > 0.0 && along_s < catch_s;
-        // Where the offset lies by all but what chords and reversals told before, as a shift from here.
-        let [prior_s, sigma_s] =
-            map.chords[leg].untold_s(map.offsets_s[leg], map.offset_sigmas_s[leg]);
-        if !visible && run.alignment.steps(leg) {
-            // What the program steps the machine steps back: where neither is seen by itself, they tell no time.
-            run.alignment.time_map.chords[leg].blur(sigma_s, None);
-            continue;
-        }
-        let reach_s = (4.0 * sigma_s).clamp(5.0 * catch_s, FARTHEST_S);
+        let counts = look == Look::Again && chords.blur_s <= 0.0;
+        let known = counts || map.offset_sigmas_s[leg] < KNOWN * catch_s;
+        let visible = chords.lasts_s > 0.0 && (known || along_s < catch_s);
+        let steps = run.alignment.steps(leg);
+        // Within the catch the fit finds a leg by itself, and its offset is no better than that beside what is not fitted yet.
+        let untold_s = if known {
+            [0.0, catch_s]
+        } else {
+            chords.untold_s(map.offsets_s[leg], map.offset_sigmas_s[leg])
+        };
+        let reach_s = if known {
+            catch_s
+        } else if steps && !visible {
+            0.0
+        } else {
+            (4.0 * untold_s[1]).clamp(5.0 * catch_s, FARTHEST_S)
+        };
         let step_s = (catch_s / STEPS_A_CATCH).max(reach_s / MOST_STEPS);
         let reach = (reach_s / step_s).ceil() as i32;
         let shifts = (-reach..=reach).into_par_iter().map(|k| f64::from(k) * step_s);
         let misfits: Vec<(f64, Misfit)> =
             shifts.map(|shift_s| (shift_s, held.misfit(shift_s, visible))).collect();
-        let left = misfits.iter().map(|(_, misfit)| misfit.steps - misfit.facets);
-        let least = left.fold(f64::INFINITY, f64::min);
-        let scale = CORRELATED * least / held.readings.len().max(1) as f64;
-        if scale <= 0.0 {
-            continue;
+        let left = misfits.iter().map(|(_, misfit)| misfit.steps_mm2 - misfit.facets_mm2());
+        let least_mm2 = left.fold(f64::INFINITY, f64::min) / held.readings.len().max(1) as f64;
+        let scale_mm2 = 2.0 * CORRELATED * least_mm2;
+        (scale_mm2 > 0.0).then_some(Self {
+            leg,
+            catch_s,
+            along_s,
+            step_s,
+            untold_s,
+            known,
+            visible,
+            steps,
+            scale_mm2,
+            misfits,
+        })
+    }
+
+    /// Minus the logarithm of how likely a shift is without facets.
+    fn cost(&self, shift_s: f64, misfit: &Misfit) -> f64 {
+        let [prior_s, sigma_s] = self.untold_s;
+        misfit.steps_mm2 / self.scale_mm2 + 0.5 * ((shift_s - prior_s) / sigma_s).powi(2)
+    }
+
+    /// By how much likelier its readings are with this part of its facets than without any, as a logarithm.
+    fn likelier(&self, part: f64) -> f64 {
+        let with_and_without = |(shift_s, misfit): &(f64, Misfit)| {
+            let cost = self.cost(*shift_s, misfit);
+            [cost - CORRELATED * misfit.part_mm2(part) / self.scale_mm2, cost]
+        };
+        let costs: Vec<[f64; 2]> = self.misfits.iter().map(with_and_without).collect();
+        let [with, without] = [0, 1].map(|which| {
+            let of = || costs.iter().map(|costs| costs[which]);
+            let lowest = of().fold(f64::INFINITY, f64::min);
+            of().map(|cost| (lowest - cost).exp()).sum::<f64>().ln() - lowest
+        });
+        with - without
+    }
+
+    /// Lays the leg where it fits best; whether its facets count now and did not, or no more.
+    fn lay(&self, map: &mut TimeMap, rounded_out: bool) -> bool {
+        let (leg, visible) = (self.leg, self.visible && !rounded_out);
+        let counted = map.chords[leg].blur_s <= 0.0;
+        let [prior_s, sigma_s] = self.untold_s;
+        if self.known {
+            let changes = self.visible && counted == rounded_out;
+            match (changes, counted) {
+                (true, true) => map.chords[leg].blur(map.offset_sigmas_s[leg], None),
+                (true, false) => map.chords[leg].see(),
+                (false, _) => {}
+            }
+            return changes;
         }
-        let cost = |shift_s: f64, misfit: &Misfit| {
-            let gain = 0.5 * misfit.facets / scale;
+        if !visible && self.steps {
+            // What the program steps the machine steps back: where neither is seen by itself, they tell no time.
+            map.chords[leg].blur(sigma_s, None);
+            return false;
+        }
+        let cost = |(shift_s, misfit): &(f64, Misfit)| {
+            let gain = if visible { misfit.facets_mm2() / self.scale_mm2 } else { 0.0 };
             // ln(1 + exp(gain)), whatever the gain
             let seen = gain.max(0.0) + (-gain.abs()).exp().ln_1p();
-            0.5 * (misfit.steps / scale + ((shift_s - prior_s) / sigma_s).powi(2)) - seen
+            (*shift_s, self.cost(*shift_s, misfit) - seen)
         };
-        let costs: Vec<(f64, f64)> =
-            misfits.iter().map(|(shift_s, misfit)| (*shift_s, cost(*shift_s, misfit))).collect();
+        let costs: Vec<(f64, f64)> = self.misfits.iter().map(cost).collect();
         let peaks = peaks(&costs);
-        let Some(best) = peaks.iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
-        let [mass, first_s, second_s2, outside_s2] = moments(&costs, best.0, catch_s);
-        let map = &mut run.alignment.time_map;
+        let Some(best) = peaks.iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { return false };
+        let [mass, first_s, second_s2, outside_s2] = moments(&costs, best.0, self.catch_s);
         let outside_s = (outside_s2 / mass).sqrt();
-        if visible && outside_s < catch_s {
-            found |= map.chords[leg].blur_s > 0.0;
+        if visible && outside_s < self.catch_s {
             map.chords[leg].see();
             map.offsets_s[leg] -= best.0;
-            map.offset_sigmas_s[leg] = step_s;
+            map.offset_sigmas_s[leg] = self.step_s;
             map.chords[leg].ambiguity_s = outside_s;
-            continue;
+            return !counted;
         }
         let mean_s = best.0 + first_s / mass;
-        let variance_s2 = (second_s2 / mass - (first_s / mass).powi(2)).max(step_s.powi(2));
+        let variance_s2 = (second_s2 / mass - (first_s / mass).powi(2)).max(self.step_s.powi(2));
         let told = variance_s2.recip() - sigma_s.powi(2).recip();
         let told_s = (told > 0.0).then(|| {
             let shift_s = (mean_s / variance_s2 - prior_s / sigma_s.powi(2)) / told;
-            [map.offsets_s[leg] - shift_s, told.recip().sqrt().hypot(along_s)]
+            [map.offsets_s[leg] - shift_s, told.recip().sqrt().hypot(self.along_s)]
         });
         map.chords[leg].blur(sigma_s, told_s);
+        false
     }
-    found
 }
 
 /// A leg that leaves this many times the mean square of the others did not find its facets.
@@ -235,149 +336,6 @@ fn peaks(curve: &[(f64, f64)]) -> Vec<(f64, f64)> {
     peaks
 }
 
-/// The least that may be left of a sample whose middle is so long after a reversal of the program, from what is left with the
-/// senses before and after it, mm: its slide turns up to [`TURNING_S`] earlier or later. A single reading is read on one
-/// side, the mean of a window on both.
-fn turning_mm([before_mm, after_mm]: [f64; 2], since_s: f64, window_s: f64) -> f64 {
-    let ends_mm = [-TURNING_S, TURNING_S].map(|earlier_s| {
-        let since_s = since_s + earlier_s;
-        let after = if window_s > 0.0 {
-            (since_s / window_s + 0.5).clamp(0.0, 1.0)
-        } else {
-            f64::from(u8::from(since_s > 0.0))
-        };
-        before_mm + after * (after_mm - before_mm)
-    });
-    let [one_mm, other_mm] = ends_mm;
-    if window_s > 0.0 && one_mm * other_mm < 0.0 {
-        0.0
-    } else if one_mm.abs() < other_mm.abs() {
-        one_mm
-    } else {
-        other_mm
-    }
-}
-
-/// What a shift of a leg leaves.
-struct Misfit {
-    /// Sum of squares with the steps at reversals, mm².
-    steps: f64,
-    /// By how much facets lower it, mm².
-    facets: f64,
-}
-
-/// The readings of a leg, each with what a shift of the leg leaves of its prediction.
-struct LegReadings<'a> {
-    model: &'a Model<'a>,
-    values: &'a [f64],
-    run: &'a RunInput,
-    /// Sample, and its reading minus the slow part of the prediction, mm.
-    readings: Vec<(&'a Sample, f64)>,
-    reversals_s: Vec<f64>,
-}
-
-impl<'a> LegReadings<'a> {
-    fn of_leg(
-        model: &'a Model<'a>,
-        values: &'a [f64],
-        run: &'a RunInput,
-        leg: usize,
-        stride: usize,
-    ) -> Self {
-        let readings = run
-            .samples()
-            .iter()
-            .step_by(stride)
-            .filter(|s| s.leg == leg && matches!(s.part, Part::Arc(_)))
-            .map(|sample| {
-                let view = view(model, values, run, sample, Detail::Smooth);
-                (sample, view.residual_mm)
-            })
-            .collect();
-        let reversals_s = run.alignment.trajectory.reversals_s();
-        Self { model, values, run, readings, reversals_s }
-    }
-
-    /// From the first of its readings to the last, s.
-    fn lasts_s(&self) -> f64 {
-        let [first, last] = [self.readings.first(), self.readings.last()]
-            .map(|reading| reading.map_or(0.0, |(sample, _)| sample.program_s));
-        last - first
-    }
-
-    /// Over so long a sample goes, s; 0 of a single reading.
-    fn window_s(&self) -> f64 {
-        let alignment = &self.run.alignment;
-        if alignment.averaged > 1 { alignment.sample_period_s } else { 0.0 }
-    }
-
-    /// Sum of squares with steps a shift later, and by how much facets lower it.
-    ///
-    /// `min over a of sum (left - a (facet - mean facet))²`, `0 <= a <= 1`: by how much a control rounds facets out is not
-    /// known yet.
-    fn misfit(&self, shift_s: f64, visible: bool) -> Misfit {
-        let alignment = &self.run.alignment;
-        let (coincidence_mm, trajectory) = (alignment.coincidence_mm(), &alignment.trajectory);
-        let length_mm = |pose: &Pose, sample: &Sample| {
-            self.model.length_mm(self.values, pose, &sample.motion, self.run.mounting)
-        };
-        let window_s = self.window_s();
-        let zone_s = TURNING_S + 0.5 * window_s;
-        let pairs: Vec<[f64; 2]> = self
-            .readings
-            .iter()
-            .map(|(sample, slow_mm)| {
-                let program_s = sample.program_s + shift_s;
-                let state = trajectory.at_near(program_s, sample.block);
-                let mean_mm = |over_s: f64| alignment.mean_mm(sample.leg, program_s, over_s);
-                // A sample that is the mean of readings has the mean of the facets that went by.
-                let commanded_mm = if window_s > 0.0 {
-                    mean_mm(window_s)
-                } else {
-                    (state.position_mm - coincidence_mm).norm() - alignment.radius_mm
-                };
-                let facet_mm = commanded_mm - mean_mm(SMOOTH_S);
-                // With senses and steps of the path as they are at another time.
-                let left_mm = |then_s: f64, sense: Vector3<f64>| {
-                    let left_mm =
-                        slow_mm - alignment.steps_mm(sample.leg, sample.program_s, then_s);
-                    if sense == sample.pose.sense {
-                        return left_mm;
-                    }
-                    let turned = Pose { sense, ..sample.pose };
-                    left_mm - (length_mm(&turned, sample) - length_mm(&sample.pose, sample))
-                };
-                let before = self.reversals_s.partition_point(|s| *s < program_s - zone_s);
-                let near = self.reversals_s.get(before).filter(|s| **s < program_s + zone_s);
-                let least_mm = match near {
-                    None => left_mm(program_s, state.sense),
-                    Some(&reversal_s) => {
-                        let sides = [-zone_s, zone_s].map(|aside_s| {
-                            let then_s = program_s + aside_s;
-                            left_mm(then_s, trajectory.at_near(then_s, state.block).sense)
-                        });
-                        turning_mm(sides, program_s - reversal_s, window_s)
-                    }
-                };
-                [least_mm, facet_mm]
-            })
-            .collect();
-        let mean_mm = pairs.iter().map(|pair| pair[1]).sum::<f64>() / pairs.len().max(1) as f64;
-        let (mut left, mut both, mut facets) = (0.0, 0.0, 0.0);
-        for [left_mm, facet_mm] in pairs {
-            let (left_mm, aside_mm) = (left_mm - mean_mm, facet_mm - mean_mm);
-            left += left_mm.powi(2);
-            both += left_mm * aside_mm;
-            facets += aside_mm.powi(2);
-        }
-        if !visible || facets <= 0.0 {
-            return Misfit { steps: left, facets: 0.0 };
-        }
-        let share = (both / facets).clamp(0.0, 1.0);
-        Misfit { steps: left, facets: share * (2.0 * both - share * facets) }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -394,18 +352,47 @@ mod tests {
         );
     }
 
-    #[test]
-    fn a_mean_over_a_reversal_lies_between_its_sides_and_a_reading_on_one_of_them() {
-        let is = |since_s: f64, window_s: f64, mm: f64| {
-            assert!((turning_mm([1.0, -3.0], since_s, window_s) - mm).abs() < 1e-12, "{since_s}");
+    /// Sixteen legs, with so much left of their facets at one place of 21, and elsewhere nothing. Where it is where, chance decides.
+    fn legs(left: f64, squares_mm2: f64) -> Vec<Looked> {
+        let mut drawn: u64 = 3;
+        let mut uniform = || {
+            drawn = drawn.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (drawn >> 11) as f64 / (1_u64 << 53) as f64
         };
-        // Of a window of 20 ms up to 10 ms earlier or later: at the reversal any mixture, 15 ms past it at least three quarters.
-        is(0.0, 0.02, 0.0);
-        is(0.015, 0.02, -2.0);
-        is(-0.02, 0.02, 1.0);
-        is(0.02, 0.02, -3.0);
-        is(-0.005, 0.0, 1.0);
-        is(0.005, 0.0, 1.0);
-        is(0.011, 0.0, -3.0);
+        let mut normal = || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+        let mut looked = |leg: usize| Looked {
+            leg,
+            catch_s: 1e-3,
+            along_s: 0.0,
+            step_s: 1e-3,
+            untold_s: [0.0, 0.02],
+            known: false,
+            visible: true,
+            steps: false,
+            // Twice two times the variance of a reading, 1 mm².
+            scale_mm2: 4.0,
+            misfits: (-10..=10)
+                .map(|k| {
+                    let is = if k == 3 { left * squares_mm2 } else { 0.0 };
+                    let both_mm2 = is + squares_mm2.sqrt() * normal();
+                    (1e-3 * f64::from(k), Misfit { steps_mm2: 200.0, both_mm2, squares_mm2 })
+                })
+                .collect(),
+        };
+        (0..16).map(&mut looked).collect()
+    }
+
+    #[test]
+    fn all_legs_together_tell_whether_facets_were_rounded_out() {
+        // All of them tell it, and no leg alone.
+        for squares_mm2 in [6.0, 30.0] {
+            assert!(are_rounded_out(&legs(0.0, squares_mm2)), "{squares_mm2}");
+        }
+        assert!(!are_rounded_out(&legs(0.0, 6.0)[..1]) && !are_rounded_out(&[]));
+        // What has facets is not taken for what has none, however small they are; nor what has a half of them that can be seen.
+        for squares_mm2 in [0.1, 1.0, 3.0, 6.0, 10.0, 30.0] {
+            assert!(!are_rounded_out(&legs(1.0, squares_mm2)), "{squares_mm2}");
+        }
+        assert!(!are_rounded_out(&legs(0.5, 60.0)));
     }
 }

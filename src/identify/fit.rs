@@ -215,12 +215,6 @@ impl<'a> Fit<'a> {
         Ok(outcome)
     }
 
-    /// For how much more than one reading alone the noise of readings counts whose neighbours err alike.
-    pub(super) fn correlated(&self, left_mm: &[Vec<f64>], outcome: &Outcome) -> Result<f64> {
-        let noise = self.noise(left_mm, outcome)?;
-        Ok((noise.long_run_variance().sqrt() / noise.sigma()).max(1.0))
-    }
-
     /// Widens, once, what is plausible of what came out far beyond it: of an error that bends more than is plausible in
     /// one way, all ways to bend.
     fn let_go(&mut self) {

@@ -29,8 +29,10 @@ impl Options {
     }
 }
 
-/// Step of the difference that tells the effect of the time constant, s.
-pub(super) const FOLLOWING_STEP_S: f64 = 1e-3;
+/// Within which time constant the slides plausibly follow, s.
+pub(super) const FOLLOWING_S: f64 = 0.02;
+/// Step of the difference that tells the effect of the time constant, s, at the least.
+const FOLLOWING_STEP_S: f64 = 1e-3;
 
 /// One run that takes part.
 #[derive(Debug, Clone)]
@@ -49,8 +51,10 @@ pub struct RunInput {
     number: usize,
     /// Its samples, where the time map of the alignment lays them.
     samples: Vec<Sample>,
-    /// How the slides follow there, and with a time constant that is longer by [`FOLLOWING_STEP_S`].
+    /// How the slides follow there, and with a time constant that is longer by a step.
     pub(super) following: [Following; 2],
+    /// That step, s.
+    pub(super) following_step_s: f64,
 }
 
 impl RunInput {
@@ -59,7 +63,17 @@ impl RunInput {
         let following = [0.0, FOLLOWING_STEP_S].map(|longer_s| alignment.following(longer_s));
         let samples = alignment.samples_by(&following[0]);
         let aligned = alignment.time_map.clone();
-        Self { name, mounting, nominal_mm, alignment, aligned, number: 0, samples, following }
+        Self {
+            name,
+            mounting,
+            nominal_mm,
+            alignment,
+            aligned,
+            number: 0,
+            samples,
+            following,
+            following_step_s: FOLLOWING_STEP_S,
+        }
     }
 
     /// The same as that of this number of its repeat.
@@ -81,9 +95,23 @@ impl RunInput {
         &self.samples
     }
 
+    /// From now on the effect of a time constant is told by the difference that this standard deviation makes, s, as far as it is
+    /// plausible. Of a radius it is a square: where slides seem to follow at once its slope is nothing, and a lag that nobody can
+    /// rule out is not. Of a normal deviation `σ` about nothing the square has the root mean square `√3 σ²`, which is the
+    /// difference over `√3 σ` times `σ`.
+    pub(super) fn consider_lag(&mut self, sigma_s: f64) {
+        self.following_step_s = 3.0_f64.sqrt() * sigma_s.min(FOLLOWING_S);
+    }
+
+    /// That standard deviation, s.
+    pub(super) fn considered_s(&self) -> f64 {
+        self.following_step_s / 3.0_f64.sqrt()
+    }
+
     /// Lays the samples anew, after the time map has changed.
     pub(super) fn place(&mut self) {
-        self.following = [0.0, FOLLOWING_STEP_S].map(|longer_s| self.alignment.following(longer_s));
+        let steps_s = [0.0, self.following_step_s];
+        self.following = steps_s.map(|longer_s| self.alignment.following(longer_s));
         self.samples = self.alignment.samples_by(&self.following[0]);
         self.samples.iter_mut().for_each(|sample| sample.motion.run = self.number);
     }

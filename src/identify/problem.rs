@@ -82,7 +82,8 @@ pub struct Problem {
 impl Identification {
     /// The least squares that this fit came to rest at; the model and the options are those of the fit.
     pub fn problem(&self, model: &Model, options: &Options) -> Problem {
-        let fit = self.at_rest(model, options, self.counts_mm);
+        let mut fit = self.at_rest(model, options, self.counts_mm);
+        fit.hold_lags();
         let mut problem = Problem {
             unknowns: Vec::new(),
             about: Vec::new(),

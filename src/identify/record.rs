@@ -56,15 +56,16 @@ impl Apart {
         guard_s.max(3.0 * sample.time_sigma_s).max(elsewhere_s)
     }
 
-    /// Why a sample takes no part: only one on an arc does, where the sense of every axis is known, that is,
-    /// where no axis [turns round](crate::align::Following::turns_s) and the arc neither begins nor ends within three
-    /// standard deviations of its time, and not within `guard_s`, from or to a standstill with so much more as another
-    /// acceleration makes it late.
+    /// Why a sample takes no part: only one on an arc does, where the sense of every axis is known, that is, where no axis
+    /// [turns round](crate::align::Following::turns_s) within three standard deviations of its time, or within `guard_s`, and
+    /// where the arc neither begins nor ends so near, nor [comes to its speed](Section::comes_to_speed_s). A mean of readings
+    /// keeps `half_s` more, as far as they go from its middle.
     pub(super) fn of(
         sample: &Sample,
         turns_s: &[[f64; 2]],
         sections: &[Section],
         guard_s: f64,
+        half_s: f64,
     ) -> Option<Self> {
         let section = match sample.part {
             Part::Ramp => return Some(Self::Ramp),
@@ -76,7 +77,7 @@ impl Apart {
             return Some(Self::TimeUnknown);
         }
         let next = turns_s.partition_point(|turn| turn[1] < sample.program_s);
-        let kept_s = |elsewhere_s: f64| Self::kept_s(sample, guard_s, elsewhere_s);
+        let kept_s = |elsewhere_s: f64| half_s + Self::kept_s(sample, guard_s, elsewhere_s);
         let near = |time_s: f64, kept_s: f64| (time_s - sample.program_s).abs() < kept_s;
         // Within the while of a turn its sense is not known at all.
         let turns = |index: usize| {
@@ -84,7 +85,7 @@ impl Apart {
                 near(sample.program_s.clamp(*from_s, *to_s), kept_s(0.0))
             })
         };
-        let [after_s, before_s] = section.lags_s.map(|lag_s| kept_s(LAG_KNOWN * lag_s));
+        let [after_s, before_s] = section.comes_to_speed_s().map(kept_s);
         if near(section.start_s, after_s) || near(section.end_s, before_s) {
             Some(Self::End)
         } else if turns(next) || next.checked_sub(1).is_some_and(turns) {
@@ -94,9 +95,6 @@ impl Apart {
         }
     }
 }
-
-/// A control may accelerate twice as fast as stated: an arc then begins later by half of what accelerating makes it late.
-const LAG_KNOWN: f64 = 0.5;
 
 /// With less weight than this a sample counts as rejected: Huber's weight at some 10 sigma.
 const REJECTED: f64 = 0.13;

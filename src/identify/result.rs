@@ -138,6 +138,13 @@ impl Identification {
         }
     }
 
+    /// The columns of [`Self::left_open`] of how the control may have driven.
+    pub fn open_by_driving(&self) -> Option<Matrix> {
+        let (open, count) = (self.left_open.as_ref()?, self.estimates.len());
+        let faults = open.columns() - self.unexplained;
+        Some(Matrix::from_fn(count, faults - count, |i, k| open[(i, count + k)]))
+    }
+
     /// The estimated values in the order of the model.
     pub fn values(&self) -> Vec<f64> {
         self.estimates.iter().map(|estimate| estimate.value).collect()

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::fit::Fit;
-use super::input::RunInput;
+use super::input::{FOLLOWING_S, RunInput};
 use super::timing::{self, View};
 use crate::align::Sample;
 use crate::error::Result;
@@ -214,11 +214,17 @@ impl Fit<'_> {
     pub(super) fn driven(&self, index: usize) -> Vec<(usize, f64, f64)> {
         let alignment = &self.runs[index].alignment;
         let map = &alignment.time_map;
-        let following_s =
-            if self.state.at_once[index] { timing::AT_ONCE_S } else { timing::FOLLOWING_S };
-        let mut driven = vec![(self.columns.following(index), map.following_s, following_s)];
+        // All runs of a machine have the same lag: what is plausible of it counts once, and not once a run.
+        let once_s = FOLLOWING_S * (self.runs.len() as f64).sqrt();
+        // What is held is held where it is.
+        let following = if self.state.at_once[index] {
+            (0.0, timing::AT_ONCE_S)
+        } else {
+            (map.following_s, once_s)
+        };
+        let mut driven = vec![(self.columns.following(index), following.0, following.1)];
         for (column, contrast) in self.columns.delays(index).zip(&self.columns.delays[index]) {
-            driven.push((column, map.delays_s.dot(contrast), timing::FOLLOWING_S));
+            driven.push((column, map.delays_s.dot(contrast), FOLLOWING_S));
         }
         for (column, contrast) in self.columns.longer(index).zip(&self.columns.longer[index]) {
             driven.push((column, map.longer.dot(contrast), timing::LONGER));

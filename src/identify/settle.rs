@@ -104,8 +104,7 @@ impl Fit<'_> {
                 wary = wary && !came_to_rest && steps < downhill_after;
                 // Times that hardly anything tells go to and fro for ever: what is kept from reversals is then so much that they may.
                 let restless = steps > downhill_after;
-                let guard_s =
-                    if wary || restless { WARY_S.max(detail.guard_s()) } else { detail.guard_s() };
+                let guard_s = self.guard_s(detail, wary || restless);
                 held_s = if restless { guard_s } else { detail.guard_s() };
                 self.choose(guard_s, wary || came_to_rest || steps <= CHOOSING_STEPS);
                 // Chosen by another rule they are other readings, and do not compare.
@@ -196,6 +195,13 @@ impl Fit<'_> {
         let Some(stand) = kept.filter(|stand| stand.near) else { return Err(unsettled()) };
         self.stand_at(&stand);
         Ok(self.hardly_settled(stand, detail))
+    }
+
+    /// What is kept from reversals, s: warily or not. Until it is known how neighbours err alike, times are less certain than they
+    /// seem.
+    fn guard_s(&self, detail: timing::Detail, wary: bool) -> f64 {
+        let unweighed = self.state.knows() && !self.state.bent;
+        if wary || unweighed { WARY_S.max(detail.guard_s()) } else { detail.guard_s() }
     }
 
     /// Chooses which samples take part as times are now: all anew, or none that was left out before.

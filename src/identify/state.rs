@@ -73,13 +73,12 @@ pub(super) fn apart(runs: &[RunInput], guard_s: f64) -> Vec<Vec<Option<Apart>>> 
         // A mean over a reversal has no sense.
         let averaged = run.alignment.averaged > 1;
         let half_s = if averaged { 0.5 * run.alignment.sample_period_s } else { 0.0 };
-        let guard_s = guard_s + half_s;
         let steps = |sample: &Sample| {
-            let kept_s = Apart::kept_s(sample, guard_s, 0.0);
+            let kept_s = half_s + Apart::kept_s(sample, guard_s, 0.0);
             run.alignment.steps_at(sample.leg, sample.program_s, kept_s)
         };
         let apart = |sample: &Sample| {
-            let apart = Apart::of(sample, &turns_s, sections, guard_s);
+            let apart = Apart::of(sample, &turns_s, sections, guard_s, half_s);
             apart.or_else(|| steps(sample).then_some(Apart::Reversal))
         };
         run.samples().iter().map(apart).collect()

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::input::{FOLLOWING_STEP_S, RunInput};
+use super::input::RunInput;
 use super::state::Taking;
 use crate::align::{Following, Sample};
 use crate::machine::{ChainErrors, Pose};
@@ -75,9 +75,7 @@ pub(super) struct View {
     pub(super) errors: ChainErrors,
 }
 
-/// Within which time constant the slides plausibly follow, s.
-pub(super) const FOLLOWING_S: f64 = 0.02;
-/// And by which share that of one slide is longer than that of another: loops of one machine are tuned alike to a tenth.
+/// By which share the time constant of one slide plausibly is longer than that of another: loops of one machine are tuned alike to a tenth.
 pub(super) const LONGER: f64 = 0.1;
 /// More than by this share none is, five of its deviations: no step makes a time constant negative.
 pub(super) const FARTHEST: f64 = 0.5;
@@ -121,6 +119,13 @@ pub(super) fn view(
         Detail::Full => (map.chords[sample.leg].blur_s <= 0.0, map.chords[sample.leg].blur_s),
         Detail::Smooth => (false, SMOOTH_S),
     };
+    let ball_mm = sample.pose.position_mm - coincidence_mm;
+    let along = ball_mm.try_normalize(f64::EPSILON).unwrap_or_else(Vector3::zeros);
+    let radius_mm = run.alignment.radius_mm;
+    let inside_mm = |following: &Following| {
+        let [inside_mm, slope_mm_s] = following.inside_mm(&along, velocity_mm_s.norm(), radius_mm);
+        (inside_mm.sum(), slope_mm_s)
+    };
     let commanded_mm = |then_s: f64, position_mm: &Vector3<f64>| {
         if facets_count {
             length_mm(position_mm)
@@ -128,7 +133,7 @@ pub(super) fn view(
             // Like the step of the senses, that of the path is no slope.
             let here_s = sample.program_s;
             let mean_mm = run.alignment.mean_stepped_mm(sample.leg, then_s, mean_s, here_s);
-            run.alignment.radius_mm + mean_mm + late_only_mm(position_mm)
+            radius_mm + mean_mm - inside_mm(&run.following[0]).0 + late_only_mm(position_mm)
         }
     };
     // Where facets do not count, long enough to see over them; where they do, short against one, but not
@@ -159,8 +164,6 @@ pub(super) fn view(
     };
     let grows_mm = errs_grow_mm + commanded_mm(after_s, &after.position_mm)
         - commanded_mm(before_s, &before.position_mm);
-    let ball_mm = sample.pose.position_mm - coincidence_mm;
-    let along = ball_mm.try_normalize(f64::EPSILON).unwrap_or_else(Vector3::zeros);
     // Where slides are, and what more of the time constant of each does, along the bar.
     let times = run.alignment.times(sample.program_s);
     let followed = |following: &Following| {
@@ -173,14 +176,17 @@ pub(super) fn view(
         (along.dot(&position_mm), along.component_mul(&slope_mm_s))
     };
     let delayed_mm_s = -along.component_mul(velocity_mm_s);
-    // The sphere alone knows nothing of corners, and of radii little.
+    let apart_s = if run.following[0].at_once() { 0.0 } else { map.following_s };
     let (following_mm_s, longer_mm) = if facets_count {
         let [here, longer] = run.following.each_ref().map(followed);
         // What slides are late by is told by their delays.
-        let grows_mm_s = (longer.0 - here.0) / FOLLOWING_STEP_S - delayed_mm_s.dot(&map.longer);
-        let apart_s = if run.following[0].at_once() { 0.0 } else { map.following_s };
+        let grows_mm_s = (longer.0 - here.0) / run.following_step_s - delayed_mm_s.dot(&map.longer);
         (grows_mm_s, apart_s * (here.1 - delayed_mm_s))
+    } else if detail == Detail::Full {
+        let [here, longer] = run.following.each_ref().map(inside_mm);
+        ((here.0 - longer.0) / run.following_step_s, -apart_s * here.1)
     } else {
+        // While times are known to a second only, a radius tells no lag.
         (0.0, Vector3::zeros())
     };
     // Where its mean counts, the sample is laid on it already.

@@ -3,12 +3,12 @@
 use std::ops::Range;
 
 use super::fit::{Fit, Outcome};
-use super::input::RunInput;
+use super::input::{FOLLOWING_S, RunInput};
 use super::record::Record;
 use super::result::{Estimate, Identification, IdentifiedRun};
 use super::state::State;
 use super::timing::Detail;
-use super::{cautions, residuals};
+use super::{cautions, residuals, timing};
 use crate::align::Sample;
 use crate::error::Result;
 use crate::solve::{
@@ -25,8 +25,15 @@ pub(super) struct Decided {
     pub(super) left_open: Option<Matrix>,
 }
 
-/// How often the noise model is told what the fit has taken out of its own residuals.
+/// A lag whose deviation is more than this part of what is plausible is not told by the readings.
+const UNTOLD: f64 = 0.25;
+/// How often the noise model is told what the fit has taken out of its own residuals while readings are weighed by it: to the end,
+/// and what a fit leaves far from the truth would count for noise.
 const NOISE_PASSES: usize = 3;
+/// And at the most of a fit that has come to rest, until it changes by less than [`SETTLED`].
+const MOST_PASSES: usize = 100;
+/// Of the long-run variance.
+const SETTLED: f64 = 1e-3;
 /// Noise hangs together for no longer than that whose correlation falls to a third within half of this time, s: so many
 /// readings count for one. What lasts longer than that is no noise of readings.
 const NOISE_S: f64 = 2.0;
@@ -37,9 +44,8 @@ impl Fit<'_> {
         let left_mm = self.left_mm();
         let used = self.used_mm(&left_mm);
         let rms_mm = residuals::rms(&used);
-        let noise = self.noise(&left_mm, outcome)?;
-        // Slides that seem to follow at once may lag all the same.
-        self.state.at_once.fill(false);
+        let noise = self.noise(&left_mm, outcome, MOST_PASSES)?;
+        self.consider_lags()?;
         let solution = self.solve(&self.rows()?)?;
         let outcome = &Outcome { solution, ..*outcome };
         let covariance = outcome.solution.covariance_sandwich(&self.filtered(&noise)?)?;
@@ -48,8 +54,12 @@ impl Fit<'_> {
         let sigmas = solve::standard_deviations(&covariance);
         let with_plausible = outcome.solution.covariance_unscaled();
         for (index, run) in self.runs.iter_mut().enumerate() {
+            let considered_s = run.considered_s();
             let map = &mut run.alignment.time_map;
             self.columns.state_driving(index, map, &with_plausible.own[index]);
+            if self.state.at_once[index] {
+                map.following_sigma_s = considered_s;
+            }
         }
         let shared = outcome.solution.shared();
         let known = self.known(&outcome.solution);
@@ -99,6 +109,49 @@ impl Fit<'_> {
         })
     }
 
+    /// A lag that the readings do not tell takes no part in the fit from now on, but stands beside it: all that it plausibly is, not
+    /// what its first millisecond does, is [considered](Self::considered).
+    pub(super) fn consider_lags(&mut self) -> Result<()> {
+        // Slides that seem to follow at once may lag all the same.
+        self.state.at_once.fill(false);
+        let covariance = self.solve(&self.rows()?)?.covariance_unscaled();
+        for (index, run) in self.runs.iter_mut().enumerate() {
+            let column = self.columns.following(index);
+            run.alignment.time_map.following_sigma_s =
+                covariance.own[index][(column, column)].max(0.0).sqrt();
+        }
+        self.hold_lags();
+        Ok(())
+    }
+
+    /// Holds the lags of runs whose deviations are said to be more than the readings tell of one.
+    pub(super) fn hold_lags(&mut self) {
+        for (run, at_once) in self.runs.iter_mut().zip(&mut self.state.at_once) {
+            let sigma_s = run.alignment.time_map.following_sigma_s;
+            *at_once =
+                self.state.plausible.iter().any(Option::is_some) && sigma_s > UNTOLD * FOLLOWING_S;
+            if *at_once {
+                run.consider_lag(sigma_s);
+            }
+        }
+        self.place();
+    }
+
+    /// How the coefficients err where the slides of all runs whose lag the readings do not tell follow later by what is plausible:
+    /// `dx/dT T`, summed over the runs.
+    ///
+    /// It is the lag of one machine, and of all its runs the same: what runs at two places differ by, it does not explain. With
+    /// the variance `s²` of a lag that is all but held its covariance with the coefficients is `s² dx/dT`.
+    fn considered(&self, solution: &BorderedSolution, inverse: &Matrix) -> Vec<f64> {
+        let held = (0..self.runs.len()).filter(|index| self.state.at_once[*index]);
+        held.fold(vec![0.0; self.columns.coefficients], |all, index| {
+            let (_, ratio) = solution.elimination(index);
+            let with = inverse.times_vector(ratio.row(self.columns.following(index)));
+            let times = self.runs[index].considered_s() / timing::AT_ONCE_S.powi(2);
+            all.iter().zip(with).map(|(all, with)| all - times * with).collect()
+        })
+    }
+
     /// What is left of the readings that take part, mm.
     fn used_mm(&self, left_mm: &[Vec<f64>]) -> Vec<f64> {
         let apart = self.state.apart.iter().flatten();
@@ -106,8 +159,8 @@ impl Fit<'_> {
         used.map(|(left_mm, _)| *left_mm).collect()
     }
 
-    /// The noise of what is left.
-    pub(super) fn noise(&self, left_mm: &[Vec<f64>], outcome: &Outcome) -> Result<NoiseModel> {
+    /// The noise of what is left; what the fit has taken out is given back so often.
+    fn noise(&self, left_mm: &[Vec<f64>], outcome: &Outcome, passes: usize) -> Result<NoiseModel> {
         let fitted = self.known(&outcome.solution).rank;
         // The usual bound, 10 log10(N): the higher the sample rate, the longer the noise is in samples.
         // And not so high that what the fit has taken out is half of what such an order sums up.
@@ -126,11 +179,20 @@ impl Fit<'_> {
         // The order stays: on few samples a free one takes what is given back for a correlation without
         // end, asks for more, and runs away.
         let order = noise.phi().len();
-        for _ in 0..NOISE_PASSES {
-            let whole = covariances.with_fitted(fitted, noise.long_run_variance());
-            noise = NoiseModel::fit(&whole, order)?.within(most);
+        for _ in 0..passes {
+            let before = noise.long_run_variance();
+            noise = NoiseModel::fit(&covariances.with_fitted(fitted, before), order)?.within(most);
+            if (noise.long_run_variance() / before - 1.0).abs() < SETTLED {
+                break;
+            }
         }
         Ok(noise)
+    }
+
+    /// For how much more than one reading alone the noise of readings counts whose neighbours err alike.
+    pub(super) fn correlated(&self, left_mm: &[Vec<f64>], outcome: &Outcome) -> Result<f64> {
+        let noise = self.noise(left_mm, outcome, NOISE_PASSES)?;
+        Ok((noise.long_run_variance().sqrt() / noise.sigma()).max(1.0))
     }
 
     /// What the readings decided, and what they left to what is plausible.
@@ -151,9 +213,15 @@ impl Fit<'_> {
         let mut open: Vec<Vec<f64>> = (0..count)
             .map(|k| inverse.row(k).iter().map(|covariance| covariance / sigma(k)).collect())
             .collect();
+        let mut considered = Some(self.considered(solution, &inverse));
         for index in 0..self.runs.len() {
             let (_, ratio) = solution.elimination(index);
             for (column, _, sigma) in self.driven(index) {
+                if self.state.at_once[index] && column == self.columns.following(index) {
+                    // Of all that are held, beside the first.
+                    open.push(considered.take().unwrap_or_else(|| vec![0.0; count]));
+                    continue;
+                }
                 let with = inverse.times_vector(ratio.row(column));
                 open.push(with.into_iter().map(|covariance| -covariance / sigma).collect());
             }

@@ -14,7 +14,7 @@ use crate::error::Result;
 use crate::log::Recording;
 use crate::machine::Machine;
 use crate::model::{Corner, Motion};
-use crate::nc::{Action, Move, Program};
+use crate::nc::{Action, Move, Path, Program};
 
 /// Time by kind, s.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -201,7 +201,8 @@ impl Trajectory {
 
     /// Mean of machine coordinates at so many times, evenly spaced, near that of a block, mm.
     ///
-    /// Between two vertices a chord is driven at constant speed: its mean is where it is at its mean time.
+    /// Between two vertices a chord is driven at constant speed: its mean is where it is at its mean time. An arc is a curve of
+    /// third degree there, see [`Times::node_s`].
     pub fn mean_position_mm(&self, times: &Times, near: usize) -> Vector3<f64> {
         let mut sum_mm = Vector3::zeros();
         let mut at = 0;
@@ -216,8 +217,17 @@ impl Trajectory {
             let more = times.count - at - 1;
             let within =
                 1 + (1..=more).take_while(|k| times.at_s((at + k) as f64) < ends_s).count();
-            let middle_s = times.at_s(at as f64 + 0.5 * (within as f64 - 1.0));
-            sum_mm += within as f64 * self.position_near_mm(middle_s, index);
+            let inside = Times { first_s: times.at_s(at as f64), count: within, ..*times };
+            let at_mm = |aside_s: f64| self.position_near_mm(inside.middle_s() + aside_s, index);
+            let motion = self.blocks.get(index).and_then(Block::motion);
+            let bends = motion.is_some_and(|motion| matches!(motion.path, Path::Arc { .. }));
+            let mean_mm = if within > 1 && bends {
+                let node_s = inside.node_s();
+                (at_mm(-node_s) + at_mm(0.0) + at_mm(node_s)) / 3.0
+            } else {
+                at_mm(0.0)
+            };
+            sum_mm += within as f64 * mean_mm;
             at += within;
         }
         sum_mm / times.count.max(1) as f64

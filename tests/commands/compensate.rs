@@ -335,7 +335,7 @@ fn what_cannot_be_compensated_is_refused() {
             let about = lost.filter(|lost| lost.as_str().unwrap().contains("too few points for"));
             about.count()
         };
-        assert_eq!(few(&["--points", "5"]), 3, "{}", control.name());
+        assert_eq!(few(&["--points", "3"]), 3, "{}", control.name());
         assert_eq!(few(&[]), 0, "{}", control.name());
     }
 

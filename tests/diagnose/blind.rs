@@ -128,7 +128,7 @@ fn a_pause_that_is_known_better_than_it_is_driven_tells_no_feed() {
 /// told, and the other one with it.
 #[test]
 fn of_curves_that_do_the_same_the_simpler_is_told_and_the_other_beside_it() {
-    let grid = Grid { seed: 4, size_mm: None };
+    let grid = Grid { seed: 4, size_mm: Some(2e-3) };
     let outcome = grid.trial(Request { class: Class::Outside, index: 3 }, false);
     assert_eq!(outcome.judgement.verdict.name(), "right", "{outcome:?}");
     let [only] = outcome.judgement.found.as_slice() else { panic!("{outcome:?}") };
