@@ -204,15 +204,21 @@ impl<'a> Fit<'a> {
             }
             // Times that were too uncertain for single chords may be told by now.
             self.find_facets(Look::Again);
-            outcome = self.iterate(timing::Detail::Full)?;
+            outcome = self.iterate_anew()?;
             self.state.sigma_mm = self.state.sigma_mm.min(most_mm);
         }
         let sought = std::mem::replace(&mut self.state.taking, Taking::Each);
         if sought == Taking::OneForSeveral && stands_for_several(&self.runs) {
-            outcome = self.iterate(timing::Detail::Full)?;
+            outcome = self.iterate_anew()?;
             self.state.sigma_mm = self.state.sigma_mm.min(most_mm);
         }
         Ok(outcome)
+    }
+
+    /// Comes to rest again where slides that were held at once may follow late after all.
+    fn iterate_anew(&mut self) -> Result<Outcome> {
+        self.state.at_once.fill(false);
+        self.iterate(timing::Detail::Full)
     }
 
     /// Widens, once, what is plausible of what came out far beyond it: of an error that bends more than is plausible in
