@@ -165,16 +165,22 @@ impl Fit<'_> {
             let gains_nothing =
                 rests || !choosing && gained.is_some_and(|g| g.abs() < negligible) && halvings == 0;
             halvings = 0;
-            let near = detail == timing::Detail::Smooth || change < NEARLY * scatter * count.sqrt();
-            // Sums of squares of other samples do not compare: to and fro is told by the steps themselves.
-            let step = match before.as_ref().filter(|_| choosing) {
+            // The smooth fit only has to come near: the chords take over from there.
+            let hardly = change < NEARLY * scatter * count.sqrt();
+            let near = detail == timing::Detail::Smooth || hardly;
+            let enough = match detail {
+                timing::Detail::Smooth => hardly,
+                timing::Detail::Full => change < NEGLIGIBLE * scatter.max(1e-12),
+            };
+            // To and fro, over a vertex or from one choice of samples to the next, is told by the steps themselves.
+            let step = match &before {
                 Some(last) if takes_back(&rows, last, &step) => step.times(0.5),
                 _ => step,
             };
             before = Some(step.clone());
             let stand = self.stand(misfit, step, solution, scatter, near);
             self.apply(&stand.step, &stand.solution);
-            if !wary && (gains_nothing || change < NEGLIGIBLE * scatter.max(1e-12)) {
+            if !wary && (gains_nothing || enough) {
                 return Ok(self.settled(stand, steps));
             }
             // The smooth fit only has to come near, and a fit that still moves by a little of the noise is
