@@ -29,8 +29,7 @@ pub fn foresee(
     let model = Model::new(machine, mountings, terms);
     let mut fit = rehearsed_fit(&model, runs, options, noise)?;
     fit.state.correlated = (noise.long_run_variance().sqrt() / noise.sigma()).max(1.0);
-    fit.consider_lags()?;
-    let solution = fit.solve(&fit.rows()?)?;
+    let solution = fit.consider_lags()?;
     let covariance = solution.covariance_sandwich(&fit.filtered(noise)?)?.shared;
     let left_open = fit.known(&solution).left_open;
     let values = vec![0.0; fit.columns.coefficients];

@@ -127,15 +127,16 @@ impl Fit<'_> {
             let worse = -above(lately) > negligible;
             if let Some(stand) = kept.take_if(|_| worse) {
                 // A time that steps over a vertex of the path comes back with the next step, and so for ever: less far.
-                self.stand_at(&stand);
                 let enough = if stand.near { MOST_HALVINGS } else { NO_WAY_DOWN };
-                if halvings >= enough && !wary {
-                    return Ok(self.settled(stand, steps));
-                }
                 if halvings >= enough {
+                    self.stand_at(&stand);
+                    if !wary {
+                        return Ok(self.settled(stand, steps));
+                    }
                     (halvings, stuck) = (0, true);
                     continue;
                 }
+                self.recall(&stand);
                 halvings += 1;
                 let share = 0.5_f64.powi(halvings);
                 self.apply(&stand.step.times(share), &stand.solution);
@@ -290,11 +291,16 @@ impl Fit<'_> {
 
     /// Goes back to where it stood.
     fn stand_at(&mut self, stand: &Stand) {
+        self.recall(stand);
+        self.place();
+    }
+
+    /// The coefficients and times of where it stood, to take another step from there: the samples are laid after that.
+    fn recall(&mut self, stand: &Stand) {
         self.state.values.clone_from(&stand.values);
         for (run, map) in self.runs.iter_mut().zip(&stand.maps) {
             run.alignment.time_map.clone_from(map);
         }
-        self.place();
     }
 
     /// The end of a round that has not quite come to rest: a smooth one only has to come near.

@@ -45,8 +45,7 @@ impl Fit<'_> {
         let used = self.used_mm(&left_mm);
         let rms_mm = residuals::rms(&used);
         let noise = self.noise(&left_mm, outcome, MOST_PASSES)?;
-        self.consider_lags()?;
-        let solution = self.solve(&self.rows()?)?;
+        let solution = self.consider_lags()?;
         let outcome = &Outcome { solution, ..*outcome };
         let covariance = outcome.solution.covariance_sandwich(&self.filtered(&noise)?)?;
         self.state_times(&covariance);
@@ -110,18 +109,20 @@ impl Fit<'_> {
     }
 
     /// A lag that the readings do not tell takes no part in the fit from now on, but stands beside it: all that it plausibly is, not
-    /// what its first millisecond does, is [considered](Self::considered).
-    pub(super) fn consider_lags(&mut self) -> Result<()> {
+    /// what its first millisecond does, is [considered](Self::considered). The solution is that with such lags held.
+    pub(super) fn consider_lags(&mut self) -> Result<BorderedSolution> {
         // Slides that seem to follow at once may lag all the same.
         self.state.at_once.fill(false);
-        let covariance = self.solve(&self.rows()?)?.covariance_unscaled();
+        let solution = self.solve(&self.rows()?)?;
+        let covariance = solution.covariance_unscaled();
         for (index, run) in self.runs.iter_mut().enumerate() {
             let column = self.columns.following(index);
             run.alignment.time_map.following_sigma_s =
                 covariance.own[index][(column, column)].max(0.0).sqrt();
         }
         self.hold_lags();
-        Ok(())
+        // With all of them free it is the same.
+        if self.state.at_once.contains(&true) { self.solve(&self.rows()?) } else { Ok(solution) }
     }
 
     /// Holds the lags of runs whose deviations are said to be more than the readings tell of one.
