@@ -67,21 +67,31 @@ pub fn table(outcomes: &[Outcome]) -> String {
 /// Kinds of numbers that people ask.
 const KINDS: [&str; 4] = ["scale", "squareness", "reversal", "lateral play"];
 
-/// Where *all* is no more than so many times *noise*, nothing but noise is between a number and the truth.
+/// Where *all* is more than so many times *noise*, a report says what else could have been taken for it.
 const TOLD: f64 = 3.0;
+/// Of an error that is normal with the deviation *all*, as many lie within two of *noise* as of a normal deviate within two of
+/// *noise* over *all*: 95 % only where *all* is no more than 2 over 1.96 times *noise*, and 50 % where it is three times.
+const NOISE_ALONE: f64 = 2.0 / 1.96;
 
 /// By which of its uncertainties a number is judged: its name, which numbers, and how many of it the number is off.
 type By = (&'static str, fn(&OffBy) -> bool, fn(&OffBy) -> f64);
 
-const BY: [By; 2] = [
+const BY: [By; 3] = [
     ("*all*", |_| true, |off| off.alls.abs()),
     ("*noise*, of those of which *all* is no more than three times it", told, |off| {
+        off.noises.abs()
+    }),
+    ("*noise*, of those of which *all* is no more than 2 % more", noise_alone, |off| {
         off.noises.abs()
     }),
 ];
 
 fn told(off: &OffBy) -> bool {
     off.noises.abs() <= TOLD * off.alls.abs()
+}
+
+fn noise_alone(off: &OffBy) -> bool {
+    off.noises.abs() <= NOISE_ALONE * off.alls.abs()
 }
 
 /// How often what people ask was within two of its stated uncertainty.
