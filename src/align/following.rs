@@ -58,9 +58,15 @@ impl Following {
         longer: &Vector3<f64>,
         chords: bool,
     ) -> Self {
-        let constants_s = longer.map(|longer| common_s * (1.0 + longer));
+        let constants_s = constants_s(common_s, longer);
         let blocks = if common_s < NONE_S { None } else { Followed::new(trajectory, constants_s) };
         Self { common_s, constants_s, chords, blocks }
+    }
+
+    /// Whether it is that with these time constants.
+    pub(super) fn has(&self, common_s: f64, longer: &Vector3<f64>) -> bool {
+        self.common_s.total_cmp(&common_s).is_eq()
+            && self.constants_s == constants_s(common_s, longer)
     }
 
     /// Whether slides are where they are commanded to be.
@@ -205,6 +211,11 @@ impl Following {
         let slope = slope.component_div(&all) - mean.component_mul(&of_all.component_div(&all));
         [mean, slope]
     }
+}
+
+/// The time constant of each slide, s, by which share each is longer than what they share.
+fn constants_s(common_s: f64, longer: &Vector3<f64>) -> Vector3<f64> {
+    longer.map(|longer| common_s * (1.0 + longer))
 }
 
 #[cfg(test)]

@@ -370,6 +370,11 @@ impl Alignment {
         Following::new(&self.trajectory, map.following_s + longer_s, &map.longer, chords)
     }
 
+    /// Whether that is how slides follow which are said to follow so.
+    pub fn follows(&self, following: &Following, longer_s: f64) -> bool {
+        following.has(self.time_map.following_s + longer_s, &self.time_map.longer)
+    }
+
     /// Machine coordinates at which the ball centres coincide, mm.
     pub fn coincidence_mm(&self) -> &Vector3<f64> {
         &self.coincidence_mm

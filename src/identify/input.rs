@@ -110,8 +110,12 @@ impl RunInput {
 
     /// Lays the samples anew, after the time map has changed.
     pub(super) fn place(&mut self) {
-        let steps_s = [0.0, self.following_step_s];
-        self.following = steps_s.map(|longer_s| self.alignment.following(longer_s));
+        for (following, longer_s) in self.following.iter_mut().zip([0.0, self.following_step_s]) {
+            // Worked out over all blocks: not again where only times have moved.
+            if !self.alignment.follows(following, longer_s) {
+                *following = self.alignment.following(longer_s);
+            }
+        }
         self.samples = self.alignment.samples_by(&self.following[0]);
         self.samples.iter_mut().for_each(|sample| sample.motion.run = self.number);
     }

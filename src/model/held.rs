@@ -78,6 +78,10 @@ impl Term for HeldEffect {
         true
     }
 
+    fn lengthens(&self) -> bool {
+        self.form.term().lengthens()
+    }
+
     fn columns(&self, _at: &Situation, _out: &mut [f64]) {}
 
     fn bend(

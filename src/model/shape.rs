@@ -216,7 +216,7 @@ impl Term for Shape {
         _mounting: usize,
         errors: &mut ChainErrors,
     ) {
-        if matches!(self.seat, Seat::Bar | Seat::Whole) {
+        if self.lengthens() {
             return;
         }
         let mut factors = [0.0; 2];
@@ -227,6 +227,10 @@ impl Term for Shape {
         self.seat.displace(amount, at, motion, errors);
     }
 
+    fn lengthens(&self) -> bool {
+        matches!(self.seat, Seat::Bar | Seat::Whole)
+    }
+
     fn lengthen(
         &self,
         values: &[f64],
@@ -235,7 +239,7 @@ impl Term for Shape {
         _mounting: usize,
         direction: &Vector3<f64>,
     ) -> f64 {
-        if !matches!(self.seat, Seat::Bar | Seat::Whole) {
+        if !self.lengthens() {
             return 0.0;
         }
         let mut factors = vec![0.0; values.len()];

@@ -111,6 +111,11 @@ pub trait Term: Debug + Send + Sync {
         0.0
     }
 
+    /// Whether it ever [lengthens](Self::lengthen) the bar.
+    fn lengthens(&self) -> bool {
+        false
+    }
+
     /// Whether it does something without any parameter's doing.
     fn holds(&self) -> bool {
         false
@@ -208,6 +213,8 @@ pub struct Model<'a> {
     /// Index of the first parameter of each term, and behind the last one.
     first: Vec<usize>,
     parameters: Vec<Parameter>,
+    /// Indices of the terms that lengthen the bar: most do not, and every reading asks.
+    lengthening: Vec<usize>,
     holds: bool,
 }
 
@@ -216,11 +223,12 @@ impl<'a> Model<'a> {
     pub fn new(machine: &'a Machine, mountings: Vec<Mounting>, terms: Vec<Box<dyn Term>>) -> Self {
         let parameters = terms.iter().flat_map(|term| term.parameters()).collect();
         let holds = terms.iter().any(|term| term.holds());
+        let lengthening = (0..terms.len()).filter(|k| terms[*k].lengthens()).collect();
         let mut first = vec![0];
         for term in &terms {
             first.push(first[first.len() - 1] + term.parameter_count());
         }
-        Self { machine, mountings, terms, first, parameters, holds }
+        Self { machine, mountings, terms, first, parameters, lengthening, holds }
     }
 
     /// The terms, each with where its parameters are.
@@ -298,9 +306,10 @@ impl<'a> Model<'a> {
             self.machine.ball_vector_mm(&self.mountings[mounting], &pose.position_mm, errors);
         let length_mm = ball_mm.norm();
         let direction = ball_mm / length_mm.max(f64::MIN_POSITIVE);
-        let longer = self
-            .terms()
-            .map(|(term, own)| term.lengthen(&values[own], pose, motion, mounting, &direction));
+        let longer = self.lengthening.iter().map(|&k| {
+            let own = &values[self.first[k]..self.first[k + 1]];
+            self.terms[k].lengthen(own, pose, motion, mounting, &direction)
+        });
         length_mm + longer.sum::<f64>()
     }
 

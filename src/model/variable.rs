@@ -214,6 +214,10 @@ impl Term for Empirical {
         self.seat.displace(amount, at, motion, errors);
     }
 
+    fn lengthens(&self) -> bool {
+        matches!(self.seat, Seat::Bar | Seat::Whole)
+    }
+
     fn lengthen(
         &self,
         values: &[f64],
@@ -222,7 +226,7 @@ impl Term for Empirical {
         _mounting: usize,
         _direction: &Vector3<f64>,
     ) -> f64 {
-        if !matches!(self.seat, Seat::Bar | Seat::Whole) {
+        if !self.lengthens() {
             return 0.0;
         }
         let Some((first, share, sense)) = self.between(at, motion) else { return 0.0 };
