@@ -127,7 +127,7 @@ pub(super) fn tellable(
                     // What the columns would be if nothing in them cancelled.
                     let lever_mm = set_up.mounting.tool_ball_mm.norm() + at.pose.position_mm.norm();
                     for (square, c) in squares.iter_mut().zip(order) {
-                        let basis = at.basis[c.slide.index()][c.power as usize];
+                        let basis = c.basis(&at.pose);
                         let lever = if c.component.is_angular() { lever_mm } else { 1.0 };
                         *square += (basis * lever).powi(2);
                     }

@@ -74,7 +74,7 @@ impl<'a> Gather<'a> {
                 ParameterId::SetUp(set_up, _) => direction_size[set_up.axis.index()],
                 ParameterId::Local(_) | ParameterId::Amplitude | ParameterId::Delay(_) => 0.0,
                 ParameterId::Coefficient(c) => {
-                    let basis = at.basis[c.slide.index()][c.power as usize].abs();
+                    let basis = c.basis(&at.pose).abs();
                     let i = c.component.direction();
                     basis * if c.component.is_angular() { turned(i) } else { direction_size[i] }
                 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::machine::Axis;
+use crate::machine::{Axis, Pose};
 
 /// Which of the six errors of a slide, or which direction of a set-up error: the letter after `E`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -85,6 +85,18 @@ impl Coefficient {
                 Power::ALL.into_iter().map(move |power| Self { slide, component, power })
             })
         })
+    }
+
+    /// What it multiplies at a pose: `1, h, h², h³` of its slide (mm), or the sense `b`.
+    pub fn basis(self, at: &Pose) -> f64 {
+        let h_mm = at.position_mm[self.slide.index()];
+        match self.power {
+            Power::P0 => 1.0,
+            Power::P1 => h_mm,
+            Power::P2 => h_mm * h_mm,
+            Power::P3 => h_mm * h_mm * h_mm,
+            Power::B => at.sense[self.slide.index()],
+        }
     }
 
     /// Reads a name such as `EAZ0` or `EYYb`.

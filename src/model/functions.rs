@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::coefficient::{Coefficient, Power};
+use super::coefficient::Coefficient;
 use crate::machine::{Axis, Pose, SlideError};
 
 /// The 90 coefficients as numbers, mm and rad.
@@ -39,11 +39,4 @@ impl ErrorFunctions {
             rotation_rad: Vector3::new(error(3), error(4), error(5)),
         }
     }
-}
-
-/// `1, h, h², h³, b`: the basis that a coefficient multiplies.
-pub(super) fn basis(h_mm: f64, sense: f64) -> [f64; 5] {
-    let mut basis = [1.0, h_mm, h_mm * h_mm, h_mm * h_mm * h_mm, 0.0];
-    basis[Power::B as usize] = sense;
-    basis
 }

@@ -2,7 +2,6 @@
 
 use nalgebra::Vector3;
 
-use super::functions::basis;
 use super::motion::Motion;
 use crate::machine::{Axis, ChainErrors, Lever, Machine, Mounting, Pose};
 
@@ -33,8 +32,6 @@ pub struct Situation {
     pub direction: Vector3<f64>,
     /// Derivatives for the X, Y and Z slides.
     pub slides: [SlideGradient; 3],
-    /// `1, h, h², h³, b` of each slide.
-    pub basis: [[f64; 5]; 3],
 }
 
 impl Situation {
@@ -97,7 +94,6 @@ impl Situation {
     }
 
     fn of(index: usize, pose: &Pose, direction: Vector3<f64>, slides: [SlideGradient; 3]) -> Self {
-        let basis = [0, 1, 2].map(|i| basis(pose.position_mm[i], pose.sense[i]));
-        Self { pose: *pose, motion: Motion::REST, mounting: index, direction, slides, basis }
+        Self { pose: *pose, motion: Motion::REST, mounting: index, direction, slides }
     }
 }

@@ -132,8 +132,7 @@ impl Term for Coefficient {
         let gradient = &at.slides[self.slide.index()];
         let along =
             if self.component.is_angular() { &gradient.rotation_mm } else { &gradient.translation };
-        out[0] =
-            along[self.component.direction()] * at.basis[self.slide.index()][self.power as usize];
+        out[0] = along[self.component.direction()] * self.basis(&at.pose);
     }
 
     fn bend(
@@ -144,15 +143,13 @@ impl Term for Coefficient {
         _mounting: usize,
         errors: &mut ChainErrors,
     ) {
-        let i = self.slide.index();
-        let basis = super::functions::basis(at.position_mm[i], at.sense[i]);
-        let slide = &mut errors.slides[i];
+        let slide = &mut errors.slides[self.slide.index()];
         let of = if self.component.is_angular() {
             &mut slide.rotation_rad
         } else {
             &mut slide.translation_mm
         };
-        of[self.component.direction()] += values[0] * basis[self.power as usize];
+        of[self.component.direction()] += values[0] * self.basis(at);
     }
 }
 
