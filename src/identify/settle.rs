@@ -166,13 +166,7 @@ impl Fit<'_> {
             let gains_nothing =
                 rests || !choosing && gained.is_some_and(|g| g.abs() < negligible) && halvings == 0;
             halvings = 0;
-            // The smooth fit only has to come near: the chords take over from there.
-            let hardly = change < NEARLY * scatter * count.sqrt();
-            let near = detail == timing::Detail::Smooth || hardly;
-            let enough = match detail {
-                timing::Detail::Smooth => hardly,
-                timing::Detail::Full => change < NEGLIGIBLE * scatter.max(1e-12),
-            };
+            let [near, enough] = comes_near(detail, change, scatter, count);
             // To and fro, over a vertex or from one choice of samples to the next, is told by the steps themselves.
             let step = match &before {
                 Some(last) if takes_back(&rows, last, &step) => step.times(0.5),
@@ -323,6 +317,16 @@ fn unsettled() -> Error {
     Error::new(Kind::Undetermined, format!("the fit does not settle within {MOST_STEPS} steps")).hint(
         "the log may be of another program, the feed override may not have stood where the test file says, or there are too many terms for these arcs",
     )
+}
+
+/// Whether a fit is near whose step changes so many computed readings by so much together, in units of the noise as what is left
+/// scatters, and whether that is enough: the smooth fit only has to come near, the chords take over from there.
+fn comes_near(detail: timing::Detail, change: f64, scatter: f64, count: f64) -> [bool; 2] {
+    let hardly = change < NEARLY * scatter * count.sqrt();
+    match detail {
+        timing::Detail::Smooth => [true, hardly],
+        timing::Detail::Full => [hardly, change < NEGLIGIBLE * scatter.max(1e-12)],
+    }
 }
 
 /// Whether a step takes back more than half of the one before, by what both change of the computed readings.
