@@ -28,7 +28,9 @@ impl Campaign {
         Ok(each.collect::<Result<Vec<f64>>>()?.iter().sum())
     }
 
-    /// The same repeats identified with effects held beside the terms, one list a repeat.
+    /// The same repeats identified with effects held beside the terms, one list a repeat: from the beginning, as what was missing
+    /// may have led its times astray. Where that leaves more than without the effects, it is what has gone astray; from where the
+    /// repeat came to rest without them it may leave less.
     ///
     /// # Errors
     /// When a repeat cannot be identified so.
@@ -39,7 +41,14 @@ impl Campaign {
         held: Vec<Vec<HeldEffect>>,
     ) -> Result<Self> {
         self.held_by(test, machine, held, &|model, repeat, options| {
-            identify(model, repeat.afresh(), options)
+            let afresh = identify(model, repeat.afresh(), options);
+            if afresh.as_ref().is_ok_and(|fit| fit.rms_mm <= repeat.rms_mm) {
+                return afresh;
+            }
+            match (afresh, identify_on(model, repeat.again(), repeat, options)) {
+                (Ok(afresh), Ok(on)) => Ok(if on.rms_mm < afresh.rms_mm { on } else { afresh }),
+                (afresh, on) => afresh.or(on),
+            }
         })
     }
 
