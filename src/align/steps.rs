@@ -141,12 +141,16 @@ impl Alignment {
         if steps.len() < 3 {
             return None;
         }
-        // Corners that the control takes slower than the model add the same at every arc.
-        steps.sort_by(|a, b| a.lost_s.total_cmp(&b.lost_s));
-        let drift_s = steps[steps.len() / 2].lost_s;
+        // Corners that the control takes slower than the model add the same at every arc, also at those that tell no time.
+        let each_s = |step: &TimeStep| step.lost_s / (step.after - step.before) as f64;
+        steps.sort_by(|a, b| each_s(a).total_cmp(&each_s(b)));
+        let drift_s = each_s(&steps[steps.len() / 2]);
         steps
             .into_iter()
-            .map(|step| TimeStep { lost_s: step.lost_s - drift_s, ..step })
+            .map(|step| {
+                let drift_s = drift_s * (step.after - step.before) as f64;
+                TimeStep { lost_s: step.lost_s - drift_s, ..step }
+            })
             .max_by(|a, b| a.lost_s.abs().total_cmp(&b.lost_s.abs()))
     }
 }
