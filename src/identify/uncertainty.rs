@@ -25,7 +25,8 @@ pub(super) struct Decided {
     pub(super) left_open: Option<Matrix>,
 }
 
-/// A lag whose deviation is more than this part of what is plausible is not told by the readings.
+/// A lag whose deviation is more than this part of what is plausible is not told by the readings: what it does to a radius is its
+/// square, then more than a sixteenth of what is plausible, which no slope tells.
 const UNTOLD: f64 = 0.25;
 /// How often the noise model is told what the fit has taken out of its own residuals while readings are weighed by it: to the end,
 /// and what a fit leaves far from the truth would count for noise.

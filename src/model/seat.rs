@@ -67,6 +67,11 @@ pub enum Seat {
 }
 
 impl Seat {
+    /// Whether what acts on it adds to the length and bends no chain.
+    pub(super) fn lengthens(self) -> bool {
+        matches!(self, Self::Bar | Self::Whole)
+    }
+
     /// Reads `EXX`, `X`, `EZt`, `EXX1` or `bar`.
     pub fn parse(name: &str) -> Option<Self> {
         if name == "bar" {

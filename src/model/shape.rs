@@ -228,7 +228,7 @@ impl Term for Shape {
     }
 
     fn lengthens(&self) -> bool {
-        matches!(self.seat, Seat::Bar | Seat::Whole)
+        self.seat.lengthens()
     }
 
     fn lengthen(

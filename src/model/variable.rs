@@ -215,7 +215,7 @@ impl Term for Empirical {
     }
 
     fn lengthens(&self) -> bool {
-        matches!(self.seat, Seat::Bar | Seat::Whole)
+        self.seat.lengthens()
     }
 
     fn lengthen(
