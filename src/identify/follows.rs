@@ -39,11 +39,9 @@ impl<'a> Follows<'a> {
         self.first.last().copied().unwrap_or(0)
     }
 
-    /// Adds the row of `Q` of a reading of a run, whose row in the fit this is.
-    pub(super) fn push_row(&self, run: usize, row: &[f64], factor: f64, q: &mut Vec<f64>) {
-        let first = q.len();
-        q.resize(first + self.rank(), 0.0);
-        let out = &mut q[first..];
+    /// Writes the row of `Q` of a reading of a run, whose row in the fit this is.
+    pub(super) fn row(&self, run: usize, row: &[f64], factor: f64, out: &mut [f64]) {
+        out.fill(0.0);
         let (inverse, _) = self.solution.elimination(run);
         let (own, coefficients) = row.split_at(inverse.rows());
         let add = |out: &mut [f64], values: &[f64], of: &Matrix| {

@@ -127,7 +127,8 @@ impl Identification {
         let step = solution.unknowns();
         let take_part = fit.state.apart.iter().flatten().filter(|apart| apart.is_none()).count();
         let mut samples = Vec::with_capacity(take_part);
-        let mut q = Vec::with_capacity(take_part * follows.rank());
+        let mut basis = Basis::with_room(follows.rank(), take_part);
+        let mut q = vec![0.0; follows.rank()];
         // Run and section of the arc before.
         let mut last = None;
         let mut arcs = 0;
@@ -147,7 +148,8 @@ impl Identification {
                 let record = &run.records[k];
                 let sample = &record.sample;
                 let root_weight = record.weight.sqrt();
-                follows.push_row(index, row, root_weight / fit.state.counts_mm(), &mut q);
+                follows.row(index, row, root_weight / fit.state.counts_mm(), &mut q);
+                basis.push(&q);
                 samples.push(LinearSample {
                     left_mm: residual_mm - dot(row, &step),
                     run: index,
@@ -162,8 +164,7 @@ impl Identification {
             });
         }
         let (factor, deviations) = follows.faults(&fit);
-        let rank = follows.rank();
-        Ok(Linearised { samples, basis: Basis::new(rank, q), factor, deviations })
+        Ok(Linearised { samples, basis, factor, deviations })
     }
 }
 

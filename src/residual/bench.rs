@@ -138,6 +138,9 @@ fn orthonormal(rows: &[[f64; 5]]) -> Basis {
             columns.push(column.into_iter().map(|c| c / square.sqrt()).collect());
         }
     }
-    let row = |k: usize| columns.iter().map(move |column| column[k]);
-    Basis::new(columns.len(), (0..rows.len()).flat_map(row).collect())
+    let mut basis = Basis::with_room(columns.len(), rows.len());
+    for k in 0..rows.len() {
+        basis.push(&columns.iter().map(|column| column[k]).collect::<Vec<_>>());
+    }
+    basis
 }

@@ -128,7 +128,7 @@ impl Means {
         }
         let followed = |direction: &usize| -> bool {
             let all = 0..repeat.samples.len();
-            all.map(|k| repeat.basis.row(k)[*direction].powi(2)).sum::<f64>() > FOLLOWED
+            all.map(|k| repeat.basis.at(k, *direction).powi(2)).sum::<f64>() > FOLLOWED
         };
         let own: Vec<usize> = (0..repeat.basis.rank()).filter(followed).collect();
         let effects = &beside.span;
@@ -139,7 +139,7 @@ impl Means {
         let at = |column: &[f64], k: usize| column.get(k).copied().unwrap_or(0.0);
         let rows = Matrix::from_fn(own.len() + effects.len() + 1, cells.len(), |i, k| {
             if let Some(direction) = own.get(i) {
-                return over(&cells[k], &|sample| repeat.basis.row(sample)[*direction]);
+                return over(&cells[k], &|sample| repeat.basis.at(sample, *direction));
             }
             match effects.get(i - own.len()) {
                 Some(effect) => over(&cells[k], &|sample| at(&effect[index], sample)),

@@ -61,7 +61,7 @@ fn of_followed(repeat: &Repeat) -> f64 {
     let arcs = arcs(repeat);
     let of_direction = |direction: usize| -> f64 {
         let of_arc = |(arc, half): &(Range<usize>, usize)| {
-            let values = arc.clone().map(|k| repeat.basis.row(k)[direction]);
+            let values = arc.clone().map(|k| repeat.basis.at(k, direction));
             flat_top(&values.collect::<Vec<f64>>(), *half)
         };
         arcs.iter().map(of_arc).sum()

@@ -27,7 +27,8 @@ fn what_a_model_follows_is_never_left() {
         .iter()
         .map(|repeat| repeat.samples.iter().map(|s| s.situation.direction.x).collect())
         .collect();
-    assert!(residuals.outside(&set_up).square() < 1e-20 * set_up.square());
+    // To the seven digits that a basis is held to.
+    assert!(residuals.outside(&set_up).square() < 1e-13 * set_up.square());
     // A scale that warms is not the scale itself.
     assert!(residuals.outside(&scale).square() > 1e-3 * scale.square());
 }
