@@ -50,7 +50,7 @@ pub use engagement::{Engagement, Refusal};
 pub use following::Following;
 pub use lay::align;
 pub use misread::{Misread, misread};
-pub use off_centre::off_centre;
+pub use off_centre::{OffCentre, off_centre};
 pub use ramp::{Mark, MarkKind};
 pub use run::{Rig, Run};
 pub use samples::{Alignment, Part, Sample};

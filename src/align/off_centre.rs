@@ -3,13 +3,20 @@
 //! Then the log shows other engagements than the program has, and nothing of it can be laid over. But an arc still reads as
 //! one: `d = c + u · e` along the commanded unit vectors `u`, with the offset `e` of the tool ball and a constant `c`. Every
 //! moment of the log is tried as the beginning of the longest arc.
+//!
+//! Arcs then read up to `|e|`, and where the program has the bar wait at `w`, it reads `w - |e|` or more. Where the first is
+//! less than the second, a bar of half the range, `w / 2`, would have shown the engagements of the program: its readings
+//! beyond are left out, and what is left is laid over.
 
 use nalgebra::{Matrix4, Vector3, Vector4};
 
-use super::run::Run;
-use super::samples::{Alignment, Part};
+use super::lay::align;
+use super::run::{Rig, Run};
+use super::samples::{Alignment, Part, Sample};
 use super::section;
-use crate::motion::BlockKind;
+use crate::log::Reading;
+use crate::motion::{BlockKind, Trajectory};
+use crate::plan::BallBar;
 use crate::solve;
 
 /// The arc is looked at in so many places.
@@ -25,18 +32,38 @@ const LEFT: f64 = 0.05;
 /// In directions that an arc hardly has an offset is not told.
 const FLAT: f64 = 1e-3;
 
-/// Where a log was laid over its program, its arcs leave so many times more than elsewhere in the log if it was laid over wrongly:
-/// of an arc that is laid over the operator's pause some half of the readings are left, of one that is not [`LEFT`] at the most.
+/// Of arcs that are laid over the operator's pause some half of the readings are left.
+const WRONG: f64 = 0.5;
+/// Where a log was laid over its program wrongly, its arcs leave so many times more than elsewhere in the log, or than where
+/// they are laid over rightly: [`WRONG`], and some [`LEFT`].
 const WORSE: f64 = 4.0;
+/// This part of the offset that brings the bar in by itself does so together with errors of the machine.
+const OFF: f64 = 0.5;
 /// So many readings tell how large they are.
 const LOOKED_AT: usize = 2000;
 /// Half of the readings of an arc are larger than this part of its offset.
 const SWINGS: f64 = 0.25;
 
-/// How far off the tool ball stood when the log was taken, where the program means the balls to meet, mm; nothing along what
-/// its longest arc does not show, and `None` where that is not what is wrong: where `laid` is how the log lies over the
+/// Balls that stand off.
+pub enum OffCentre {
+    /// So far, mm, that stops of the program cannot be told from its arcs. Into which direction does not come of one arc: the
+    /// way back is as round, mirrored, and so is a part of a longer way round, turned.
+    TooFar(f64),
+    /// Not so far.
+    Laid {
+        /// How far off the tool ball stood when the log was taken, where the program means the balls to meet, mm; nothing
+        /// along what arcs do not show.
+        offset_mm: Vector3<f64>,
+        /// Readings beyond this were left out, mm.
+        within_mm: f64,
+        /// How the log lies over its program.
+        alignment: Box<Alignment>,
+    },
+}
+
+/// The balls of a run that stand off; `None` where that is not what is wrong: where `laid` is how the log lies over the
 /// program, and its readings are those of arcs there.
-pub fn off_centre(run: &Run, laid: Option<&Alignment>) -> Option<Vector3<f64>> {
+pub fn off_centre(run: &Run, laid: Option<&Alignment>) -> Option<OffCentre> {
     let planned;
     let trajectory = if let Some(laid) = laid {
         &laid.trajectory
@@ -44,49 +71,46 @@ pub fn off_centre(run: &Run, laid: Option<&Alignment>) -> Option<Vector3<f64>> {
         planned = run.trajectory(run.feed_override);
         &planned
     };
+    let range_mm = run.rig.bar.range_mm;
+    let waits_mm = waits_mm(run, trajectory);
     // Where the bar waits out of its range, an offset by the rest of the way brings it in.
-    let waits = trajectory.blocks().iter().filter(|block| block.kind == BlockKind::Stop);
-    let beyond = waits
-        .map(|block| run.rig.commanded_deviation_mm(&block.start_mm).abs() - run.rig.bar.range_mm);
-    let least_mm = beyond.filter(|mm| *mm > 0.0).fold(run.rig.bar.range_mm, f64::min);
-    let readings = run.log.readings();
-    let some = readings.iter().step_by(readings.len().div_ceil(LOOKED_AT).max(1));
-    let sizes_mm = some.filter_map(|reading| reading.deviation_mm).map(f64::abs);
-    if solve::median(sizes_mm.collect())? < SWINGS * least_mm {
+    let least_mm = waits_mm.map_or(range_mm, |mm| (mm - range_mm).min(range_mm));
+    let one_arc = Circle::of_one_arc(run, trajectory, least_mm)?;
+    let left = laid.and_then(|laid| Circle::of_arcs(run, laid)).map_or(1.0, |of| of.left);
+    if laid.is_some() && left < WORSE * one_arc.left {
         return None;
     }
+    let nearer = || {
+        let within_mm = 0.5 * waits_mm?;
+        let (laid, of) = laid_within(run, within_mm)?;
+        let is_off = of.left < WRONG.min(left / WORSE) && of.offset_mm.norm() > OFF * least_mm;
+        is_off.then(|| OffCentre::Laid {
+            offset_mm: of.offset_mm,
+            within_mm,
+            alignment: Box::new(laid),
+        })
+    };
+    nearer().or_else(|| {
+        let size_mm = one_arc.offset_mm.norm();
+        (one_arc.left < LEFT && size_mm >= least_mm).then_some(OffCentre::TooFar(size_mm))
+    })
+}
 
-    let sections = section::sections(trajectory, &run.rig);
-    let arc = sections.iter().max_by(|a, b| a.duration_s().total_cmp(&b.duration_s()))?;
-    let unit =
-        |program_s: f64| run.rig.commanded_mm(&trajectory.at(program_s).position_mm).normalize();
-    let duration_s = arc.duration_s();
-    let later_s = |place: usize| duration_s * (place as f64 + 0.5) / PLACES as f64;
-    let units: Vec<(f64, Vector3<f64>)> =
-        (0..PLACES).map(|place| (later_s(place), unit(arc.start_s + later_s(place)))).collect();
-    let (first, last) = (readings.first()?, readings.last()?);
-    let span_s = last.time_s - first.time_s;
-    let step_s = (duration_s / STEPS).max(span_s / MOST_TRIES);
-    let at = |time_s: f64| {
-        let next = readings.partition_point(|reading| reading.time_s < time_s);
-        readings.get(next).and_then(|reading| reading.deviation_mm)
-    };
-    let tried = (0..(span_s / step_s) as usize).filter_map(|k| {
-        let begins_s = first.time_s + step_s * k as f64;
-        let read = units.iter().map(|(later_s, unit)| Some((*unit, at(begins_s + later_s)?)));
-        Circle::through(read.flatten()).filter(|of| of.readings > READ * PLACES as f64)
-    });
-    let best = tried.min_by(|a, b| a.left.total_cmp(&b.left))?;
-    if best.left > LEFT || best.offset_mm.norm() < least_mm {
-        return None;
-    }
-    let agrees = |laid: &Alignment| {
-        let samples = laid.samples().into_iter();
-        let on_arcs = samples.filter(|sample| matches!(sample.part, Part::Arc(_)));
-        let read = on_arcs.map(|sample| (unit(sample.program_s), sample.deviation_mm));
-        Circle::through(read).is_some_and(|of| of.left < WORSE * best.left)
-    };
-    (!laid.is_some_and(agrees)).then_some(best.offset_mm)
+/// The nearest to the sphere that the bar waits out of its range, mm.
+fn waits_mm(run: &Run, trajectory: &Trajectory) -> Option<f64> {
+    let stops = trajectory.blocks().iter().filter(|block| block.kind == BlockKind::Stop);
+    let at_mm = stops.map(|block| run.rig.commanded_deviation_mm(&block.start_mm).abs());
+    at_mm.filter(|mm| *mm > run.rig.bar.range_mm).min_by(f64::total_cmp)
+}
+
+/// The log laid over its program as one of a bar that reads no further than this, and its arcs.
+fn laid_within(run: &Run, within_mm: f64) -> Option<(Alignment, Circle)> {
+    let beyond = |reading: &Reading| reading.deviation_mm.is_some_and(|mm| mm.abs() > within_mm);
+    let log = run.log.without(beyond);
+    let bar = BallBar { range_mm: within_mm, ..run.rig.bar.clone() };
+    let laid = align(&Run { log: &log, rig: Rig { bar: &bar, ..run.rig }, ..*run }).ok()?;
+    let circle = Circle::of_arcs(run, &laid)?;
+    Some((laid, circle))
 }
 
 /// Readings as of a circle or a sphere about another centre.
@@ -98,6 +122,50 @@ struct Circle {
 }
 
 impl Circle {
+    /// Through the readings of a log that look most like the longest arc of its program, wherever they are; `None` where
+    /// they are too small for so large an offset.
+    fn of_one_arc(run: &Run, trajectory: &Trajectory, least_mm: f64) -> Option<Self> {
+        let readings = run.log.readings();
+        let some = readings.iter().step_by(readings.len().div_ceil(LOOKED_AT).max(1));
+        let sizes_mm = some.filter_map(|reading| reading.deviation_mm).map(f64::abs);
+        if solve::median(sizes_mm.collect())? < SWINGS * least_mm {
+            return None;
+        }
+        let sections = section::sections(trajectory, &run.rig);
+        let arc = sections.iter().max_by(|a, b| a.duration_s().total_cmp(&b.duration_s()))?;
+        let position_mm = |program_s: f64| trajectory.at(program_s).position_mm;
+        let unit = |program_s: f64| run.rig.commanded_mm(&position_mm(program_s)).normalize();
+        let duration_s = arc.duration_s();
+        let later_s = |place: usize| duration_s * (place as f64 + 0.5) / PLACES as f64;
+        let units: Vec<(f64, Vector3<f64>)> =
+            (0..PLACES).map(|place| (later_s(place), unit(arc.start_s + later_s(place)))).collect();
+        let (first, last) = (readings.first()?, readings.last()?);
+        let span_s = last.time_s - first.time_s;
+        let step_s = (duration_s / STEPS).max(span_s / MOST_TRIES);
+        let at = |time_s: f64| {
+            let next = readings.partition_point(|reading| reading.time_s < time_s);
+            readings.get(next).and_then(|reading| reading.deviation_mm)
+        };
+        let tried = (0..(span_s / step_s) as usize).filter_map(|k| {
+            let begins_s = first.time_s + step_s * k as f64;
+            let read = units.iter().map(|(later_s, unit)| Some((*unit, at(begins_s + later_s)?)));
+            // A bar that stands reads as a circle as well, of no offset.
+            let is_arc = |of: &Self| {
+                of.readings > READ * PLACES as f64 && of.offset_mm.norm() > OFF * least_mm
+            };
+            Self::through(read.flatten()).filter(is_arc)
+        });
+        tried.min_by(|a, b| a.left.total_cmp(&b.left))
+    }
+
+    /// Through what a log reads on the arcs of its program, where it is laid over it.
+    fn of_arcs(run: &Run, laid: &Alignment) -> Option<Self> {
+        let samples = laid.samples().into_iter();
+        let on_arcs = samples.filter(|sample| matches!(sample.part, Part::Arc(_)));
+        let unit = |sample: &Sample| run.rig.commanded_mm(&sample.pose.position_mm).normalize();
+        Self::through(on_arcs.map(|sample| (unit(&sample), sample.deviation_mm)))
+    }
+
     /// Through readings (mm), each with its commanded unit vector.
     fn through(read: impl Iterator<Item = (Vector3<f64>, f64)>) -> Option<Self> {
         let (mut normal, mut rhs) = (Matrix4::zeros(), Vector4::zeros());

@@ -2,16 +2,18 @@
 
 use std::sync::Arc;
 
-use nalgebra::Vector3;
-
 use super::input::RunInput;
-use crate::align;
+use crate::align::{self, Alignment, OffCentre};
 use crate::error::{Error, Kind, Place, Result};
 use crate::log::{self, Log, Recording};
 use crate::machine::{Axis, Machine};
 use crate::motion::Trajectory;
 use crate::nc;
 use crate::plan::{Run, Test};
+
+/// What is said of balls that stand off.
+const OFF_CENTRE: &str =
+    "from where the program means it, so the bar read where it should be out of its range";
 
 /// A log and the program that ran, before they are laid over each other.
 ///
@@ -123,30 +125,36 @@ impl MeasuredRun {
                 )));
         }
         let alignment = align::align(&run);
-        if let Some(offset_mm) = align::off_centre(&run, alignment.as_ref().ok()) {
-            return Err(self.off_centre(offset_mm));
-        }
-        let alignment = alignment?;
+        let alignment = match align::off_centre(&run, alignment.as_ref().ok()) {
+            Some(off_centre) => self.laid_off_centre(off_centre)?,
+            None => alignment?,
+        };
         Ok(RunInput::new(self.name.clone(), self.mounting, bar.length_mm, alignment))
     }
 
-    /// What is said of balls that stand too far off for the bar's range.
-    fn off_centre(&self, offset_mm: Vector3<f64>) -> Error {
-        // What rounds to nothing, its arc does not show.
-        let shown = Axis::ALL.into_iter().filter(|axis| offset_mm[axis.index()].abs() >= 0.005);
-        let parts: Vec<String> =
-            shown.map(|axis| format!("{axis} {:+.2}", offset_mm[axis.index()])).collect();
-        Error::new(
-            Kind::Mismatch,
-            format!(
-                "the tool ball was {:.2} mm ({} mm) from where the program means it, so the bar read where it should be out of its range",
-                offset_mm.norm(),
-                parts.join(", ")
-            ),
-        )
-        .at(Place::file(self.log.file()))
-        .hint(
-            "bring the balls together again and set the work offset there, or check `coincidence_mm`; then repeat the run",
-        )
+    /// A log of balls that stand so far off that the bar read where it should be out of its range, with a caution.
+    fn laid_off_centre(&self, off_centre: OffCentre) -> Result<Alignment> {
+        match off_centre {
+            OffCentre::Laid { offset_mm, within_mm, mut alignment } => {
+                // What rounds to nothing, its arcs do not show.
+                let shown = Axis::ALL.map(|axis| (axis, offset_mm[axis.index()]));
+                let shown = shown.into_iter().filter(|(_, mm)| mm.abs() >= 0.005);
+                let parts: Vec<String> = shown.map(|(axis, mm)| format!("{axis} {mm:+.2}")).collect();
+                alignment.log_notes.push(format!(
+                    "the tool ball was {:.2} mm ({} mm) {OFF_CENTRE}; readings beyond {within_mm:.2} mm were taken as out of range. Bring the balls together and set the work offset there before the next run",
+                    offset_mm.norm(),
+                    parts.join(", ")
+                ));
+                Ok(*alignment)
+            }
+            OffCentre::TooFar(size_mm) => Err(Error::new(
+                Kind::Mismatch,
+                format!("the tool ball was {size_mm:.2} mm {OFF_CENTRE}"),
+            )
+            .at(Place::file(self.log.file()))
+            .hint(
+                "bring the balls together again and set the work offset there, or check `coincidence_mm`; then repeat the run",
+            )),
+        }
     }
 }
