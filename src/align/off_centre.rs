@@ -25,15 +25,17 @@ const PLACES: usize = 120;
 const STEPS: f64 = 180.0;
 /// And not more often than this: a log may be a hundred times as long as its arcs.
 const MOST_TRIES: f64 = 20_000.0;
-/// This part of its readings must be there: the rest was out of the range.
+/// This part of its readings must be there where the rest may be out of the range, and elsewhere this part.
 const READ: f64 = 0.4;
+const WHOLE: f64 = 0.9;
 /// What is left of the readings, rms, as a part of them: a machine with errors of 50 um beside an offset of 1 mm.
 const LEFT: f64 = 0.05;
 /// In directions that an arc hardly has an offset is not told.
 const FLAT: f64 = 1e-3;
 
-/// Of arcs that are laid over the operator's pause some half of the readings are left.
-const WRONG: f64 = 0.5;
+/// Of arcs that are laid over the operator's pause half of the readings or more are left; of others what errors of the machine
+/// are beside the offset, less than this.
+const WRONG: f64 = 0.35;
 /// Where a log was laid over its program wrongly, its arcs leave so many times more than elsewhere in the log, or than where
 /// they are laid over rightly: [`WRONG`], and some [`LEFT`].
 const WORSE: f64 = 4.0;
@@ -77,7 +79,7 @@ pub fn off_centre(run: &Run, laid: Option<&Alignment>) -> Option<OffCentre> {
     let least_mm = waits_mm.map_or(range_mm, |mm| (mm - range_mm).min(range_mm));
     let one_arc = Circle::of_one_arc(run, trajectory, least_mm)?;
     let left = laid.and_then(|laid| Circle::of_arcs(run, laid)).map_or(1.0, |of| of.left);
-    if laid.is_some() && left < WORSE * one_arc.left {
+    if laid.is_some() && left < WRONG.max(WORSE * one_arc.left) {
         return None;
     }
     let nearer = || {
@@ -149,9 +151,12 @@ impl Circle {
         let tried = (0..(span_s / step_s) as usize).filter_map(|k| {
             let begins_s = first.time_s + step_s * k as f64;
             let read = units.iter().map(|(later_s, unit)| Some((*unit, at(begins_s + later_s)?)));
-            // A bar that stands reads as a circle as well, of no offset.
+            // A bar that stands reads as a circle as well, of no offset, and a part of an arc as one about some other centre: the
+            // rest is there, or out of the range.
             let is_arc = |of: &Self| {
-                of.readings > READ * PLACES as f64 && of.offset_mm.norm() > OFF * least_mm
+                let size_mm = of.offset_mm.norm();
+                let read = if size_mm > run.rig.bar.range_mm { READ } else { WHOLE };
+                of.readings > read * PLACES as f64 && size_mm > OFF * least_mm
             };
             Self::through(read.flatten()).filter(is_arc)
         });

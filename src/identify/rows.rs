@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use super::fit::Fit;
 use super::input::{FOLLOWING_S, RunInput};
 use super::timing::{self, View};
-use crate::align::Sample;
-use crate::error::Result;
+use crate::align::{Part, Sample};
+use crate::error::{Error, Kind, Result};
 use crate::solve::{Bordered, Triangle, Truncation, Tsqr};
 
 /// A direction is observed when a combination of errors of this size each (rms over the measured
@@ -37,6 +37,7 @@ impl Fit<'_> {
 
     /// One pass over the samples: rows of coefficients and time, in units of the noise.
     pub(super) fn factor(&self, detail: timing::Detail) -> Result<Bordered> {
+        self.refuse_none()?;
         let blocks = self.fold_runs(&|index, rows| {
             let samples = self.runs[index].samples().len();
             let (each, taken) = timing::standing_for(samples, self.state.taking);
@@ -55,6 +56,24 @@ impl Fit<'_> {
         })?;
         let own = (0..).map(|index| self.columns.own(index));
         Bordered::new(own.zip(blocks).collect(), self.plausible()?)
+    }
+
+    /// Refuses a fit to no reading at all.
+    fn refuse_none(&self) -> Result<()> {
+        if self.state.apart.iter().flatten().any(Option::is_none) {
+            return Ok(());
+        }
+        let on_arcs = |run: &RunInput| {
+            run.samples().iter().filter(|s| matches!(s.part, Part::Arc(_))).count()
+        };
+        Err(Error::new(
+            Kind::Undetermined,
+            format!(
+                "of {} readings on arcs none is so far from a reversal and from an end of its arc that it is known which way each axis goes",
+                self.runs.iter().map(on_arcs).sum::<usize>()
+            ),
+        )
+        .hint("drive slower, log faster, or take a longer bar"))
     }
 
     /// Calls back with each of some samples of a run, by their indices, one after the other: index, row, and what was

@@ -2,7 +2,7 @@
 
 use super::input::RunInput;
 use super::record::Apart;
-use crate::align::Sample;
+use crate::align::{Part, Sample, Section};
 
 /// Where a fit stands.
 #[derive(Debug, Clone)]
@@ -65,7 +65,12 @@ impl State {
     }
 }
 
-/// Why each sample of each run takes no part; `guard_s` is kept from every reversal and every end of an arc at the least.
+/// Of the while from one reversal of an arc to the next this part is kept from either at the most: on a short bar at a high feed
+/// they follow each other within a second, and some readings between them are worth more than the last doubt about their sense.
+const MOST_KEPT: f64 = 0.4;
+
+/// Why each sample of each run takes no part; `guard_s` is kept from every reversal and every end of an arc at the least, or
+/// [`MOST_KEPT`] where that is less.
 pub(super) fn apart(runs: &[RunInput], guard_s: f64) -> Vec<Vec<Option<Apart>>> {
     let of_run = |run: &RunInput| {
         let turns_s = run.following[0].turns_s(&run.alignment.trajectory);
@@ -73,12 +78,25 @@ pub(super) fn apart(runs: &[RunInput], guard_s: f64) -> Vec<Vec<Option<Apart>>> 
         // A mean over a reversal has no sense.
         let averaged = run.alignment.averaged > 1;
         let half_s = if averaged { 0.5 * run.alignment.sample_period_s } else { 0.0 };
+        let turns_in = |section: &Section| {
+            let within = |turn: &&[f64; 2]| (section.start_s..section.end_s).contains(&turn[0]);
+            turns_s.iter().filter(within).count()
+        };
+        let apart_s =
+            |section: &Section| (section.end_s - section.start_s) / (turns_in(section) + 1) as f64;
+        let guards_s: Vec<f64> =
+            sections.iter().map(|of| guard_s.min(MOST_KEPT * apart_s(of))).collect();
+        let guard_s = |sample: &Sample| match sample.part {
+            Part::Arc(section) => guards_s[section],
+            _ => guard_s,
+        };
         let steps = |sample: &Sample| {
+            let guard_s = guard_s(sample);
             let kept_s = half_s + Apart::kept_s(sample, guard_s, 0.0);
             run.alignment.steps_at(sample.leg, sample.program_s, kept_s)
         };
         let apart = |sample: &Sample| {
-            let apart = Apart::of(sample, &turns_s, sections, guard_s, half_s);
+            let apart = Apart::of(sample, &turns_s, sections, guard_s(sample), half_s);
             apart.or_else(|| steps(sample).then_some(Apart::Reversal))
         };
         run.samples().iter().map(apart).collect()

@@ -168,6 +168,39 @@ fn a_ball_that_stands_half_a_millimetre_off() {
     }
 }
 
+/// At 5 m/min a quarter of a circle of 100 mm takes two seconds, and half a meridian of 50 mm at 3 m/min three: what is kept from
+/// reversals until times are known leaves some of it. A log too slow for that is told as one.
+#[test]
+fn a_short_bar_at_a_high_feed() {
+    for (strategy, length_mm, feed_mm_min) in [("xy", 100.0, 5000.0), ("3d6", 50.0, 3000.0)] {
+        let plan = format!("[plan]\nstrategy = \"{strategy}\"\nfeed_mm_min = {feed_mm_min:.1}\n");
+        let work = bench("vertical.toml", "[20.0, -35.0, -300.0]", &plan);
+        let test = std::fs::read_to_string(work.path("test.toml")).unwrap();
+        work.write("test.toml", test.replace("150.0", &format!("{length_mm:.1}")));
+        let scenario = |rate_hz: f64| {
+            format!("seed = 3\nsample_rate_hz = {rate_hz}\n[coefficients]\nEXXb = -0.02\n")
+        };
+        work.write("fast.toml", scenario(100.0)).write("slow.toml", scenario(1.0));
+        work.ballbar(&["simulate", "test.toml", "--scenario", "fast.toml"]).done();
+        let told = work.ballbar(&["identify", "results/test.toml", "--json"]).done().stdout();
+        let told: serde_json::Value = serde_json::from_str(&told).unwrap();
+        let place = told["at_the_place"].as_array().unwrap();
+        let reversal = place.iter().find(|at| at["quantity"] == "reversal X").unwrap();
+        let [value_um, all_um] = ["value", "all"].map(|key| reversal[key].as_f64().unwrap());
+        assert!((value_um - 40.0).abs() < 3.0 * all_um && all_um < 0.2, "{strategy} {reversal}");
+        if strategy == "3d6" {
+            std::fs::rename(work.path("results"), work.path("fast")).unwrap();
+            work.ballbar(&["simulate", "test.toml", "--scenario", "slow.toml"]).done();
+            std::fs::rename(work.path("results"), work.path("slow")).unwrap();
+            let told = work.ballbar(&["identify", "slow/test.toml"]).refused(4);
+            assert!(
+                told.contains("hint: drive slower, log faster, or take a longer bar"),
+                "{told}"
+            );
+        }
+    }
+}
+
 /// A loop that is slower by a tenth makes its circle smaller, and lets it turn corners later: neither is a scale.
 #[test]
 fn a_loop_that_is_tuned_unlike_is_no_scale() {
