@@ -79,7 +79,16 @@ pub(crate) fn stands_mm2(residuals: &Residuals, noise: &Noise, left_mm2: f64) ->
     chance.max(worth_naming_mm2(residuals, noise))
 }
 
-/// The same beside effects next to which nothing but noise is left.
+/// The smallest gain of an effect beside which this is left, mm², where that alone says how noise hangs together: an effect that
+/// is most of what there was hangs together for as long as a run, and `n` of [`threshold_mm2`] are then so few pieces that
+/// nothing could gain enough. The best of a thousand candidates may take half of the `v` of mere noise with it, so twice as much
+/// is asked: `n ln((S + g) / S) = 100`.
+pub(crate) fn chosen_mm2(residuals: &Residuals, noise: &Noise, left_mm2: f64) -> f64 {
+    let chance = left_mm2 * (2.0 * chance(noise, left_mm2)).exp_m1();
+    chance.max(worth_naming_mm2(residuals, noise))
+}
+
+/// [`stands_mm2`] beside effects next to which nothing but noise is left.
 pub(crate) fn stands_beside_mm2(beside: &Beside) -> f64 {
     stands_mm2(beside.residuals, &beside.noise_alone(), beside.left_mm2())
 }

@@ -10,7 +10,9 @@ use rayon::prelude::*;
 use crate::diagnose::seek::candidate::{Candidate, Tried};
 use crate::diagnose::seek::screen::{Prospect, Screen};
 use crate::diagnose::seek::{curves, vibration};
-use crate::diagnose::thresholds::{OF_A_CURVE, SHADOW, SHOWS, stands_mm2, threshold_mm2};
+use crate::diagnose::thresholds::{
+    OF_A_CURVE, SHADOW, SHOWS, chosen_mm2, stands_mm2, threshold_mm2,
+};
 use crate::identify::Campaign;
 use crate::residual::{self, Beside, Element, Fitted, Noise, Owner, Residuals, Tuning};
 
@@ -123,7 +125,10 @@ impl<'a> Search<'a> {
             tuning = Some(found);
         }
         let first = best.clone();
-        let best = best.into_iter().next().filter(|best| best.score_mm2 > least);
+        let is_no_chance = |best: &Tried| {
+            best.score_mm2 > least || best.score_mm2 > chosen_beside_mm2(beside, best)
+        };
+        let best = best.into_iter().next().filter(is_no_chance);
         let curve =
             with_curves.then(|| curves::best(beside, &prospect.looks, least, &|_| true)).flatten();
         if let Some(tuning) = tuning {
@@ -151,6 +156,13 @@ impl<'a> Search<'a> {
         let curves = (0..fitted.elements.len()).filter(|k| fitted.elements[*k].shape().is_none());
         curves.map(|k| fitted.part_mm2(k, self.residuals()).sqrt()).fold(0.0, f64::max)
     }
+}
+
+/// What it must gain by what is left beside it.
+fn chosen_beside_mm2(beside: &Beside, tried: &Tried) -> f64 {
+    let left_mm = tried.fitted.left_mm(beside);
+    let noise = Noise::of(beside.residuals, &left_mm);
+    chosen_mm2(beside.residuals, &noise, left_mm.square())
 }
 
 /// Whether a cause explains less than a curve does: of one that bends to any bump, by any more than what counts beside the
