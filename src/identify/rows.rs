@@ -37,7 +37,6 @@ impl Fit<'_> {
 
     /// One pass over the samples: rows of coefficients and time, in units of the noise.
     pub(super) fn factor(&self, detail: timing::Detail) -> Result<Bordered> {
-        self.refuse_none()?;
         let blocks = self.fold_runs(&|index, rows| {
             let samples = self.runs[index].samples().len();
             let (each, taken) = timing::standing_for(samples, self.state.taking);
@@ -59,7 +58,7 @@ impl Fit<'_> {
     }
 
     /// Refuses a fit to no reading at all.
-    fn refuse_none(&self) -> Result<()> {
+    pub(super) fn refuse_none(&self) -> Result<()> {
         if self.state.apart.iter().flatten().any(Option::is_none) {
             return Ok(());
         }

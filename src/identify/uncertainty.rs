@@ -163,6 +163,7 @@ impl Fit<'_> {
 
     /// The noise of what is left; what the fit has taken out is given back so often.
     fn noise(&self, left_mm: &[Vec<f64>], outcome: &Outcome, passes: usize) -> Result<NoiseModel> {
+        self.refuse_none()?;
         let fitted = self.known(&outcome.solution).rank;
         // The usual bound, 10 log10(N): the higher the sample rate, the longer the noise is in samples.
         // And not so high that what the fit has taken out is half of what such an order sums up.
