@@ -144,7 +144,7 @@ impl Linearised {
     #[getter]
     fn basis<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let (basis, count) = (&self.linearised.basis, self.linearised.samples.len());
-        let values = (0..count).flat_map(|sample| basis.row(sample).iter().copied()).collect();
+        let values = (0..count).flat_map(|sample| basis.row(sample)).collect();
         rows(py, values, basis.rank())
     }
 
