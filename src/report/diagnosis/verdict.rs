@@ -46,7 +46,7 @@ impl VerdictFacts {
         let something = !diagnosis.findings.is_empty();
         Self {
             structure: structure(all, something),
-            following: following(all, fit_mm).filter(|_| something && wrong_settings.is_empty()),
+            following: following(all, fit_mm).filter(|_| wrong_settings.is_empty()),
             wrong_settings: wrong_settings.iter().map(setting).collect(),
             off_times: diagnosis.off_times.iter().map(off_time).collect(),
             found: something.then(|| found(&diagnosis.findings)),
