@@ -220,12 +220,13 @@ fn two_residuals_are_told_apart_where_nothing_is_found() {
     let told = told.split_whitespace().collect::<Vec<_>>().join(" ");
     let between = |before: &str, after: &str| {
         let rest = told.split_once(before).unwrap_or_else(|| panic!("{before}: {told}")).1;
-        rest.split_once(after).unwrap().0.parse::<f64>().unwrap()
+        rest.split_once(after).unwrap().0
     };
+    let number = |um: &str| um.parse::<f64>().unwrap();
     let fit_um = between("Residual ", " um rms over");
     let model_um =
         between("Nothing was found that the model does not explain. The residual is ", " um");
-    assert!(model_um > 5.0 * fit_um, "{model_um} {fit_um}");
+    assert!(number(model_um) > 5.0 * number(fit_um), "{model_um} {fit_um}");
     assert_eq!(between("The residual of ", " um rms counts a slide that follows later"), model_um);
     assert_eq!(between("The fit lets them follow unlike and leaves ", " um rms."), fit_um);
 }
