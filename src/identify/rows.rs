@@ -37,24 +37,36 @@ impl Fit<'_> {
 
     /// One pass over the samples: rows of coefficients and time, in units of the noise.
     pub(super) fn factor(&self, detail: timing::Detail) -> Result<Bordered> {
-        let blocks = self.fold_runs(&|index, rows| {
-            let samples = self.runs[index].samples().len();
-            let (each, taken) = timing::standing_for(samples, self.state.taking);
-            let taken = taken.filter(|k| self.state.apart[index][*k].is_none());
-            self.each_row(index, &taken.collect::<Vec<_>>(), detail, |k, row, residual_mm| {
-                let weight = each as f64 * self.weight(index, k);
-                rows.push_weighted(row, residual_mm, weight.sqrt() / self.state.counts_mm());
-            });
-            let mut row = vec![0.0; rows.columns()];
-            self.each_time_row(&mut row, index, |row, value, sigma| {
-                rows.push_weighted(row, value, 1.0 / sigma);
-            });
-            for (column, value, sigma) in self.driven(index) {
-                rows.push_prior(column, -value, sigma);
-            }
-        })?;
+        self.joined(self.rows_of_runs(detail)?)
+    }
+
+    /// The triangle of each run.
+    pub(super) fn rows_of_runs(&self, detail: timing::Detail) -> Result<Vec<Triangle>> {
+        self.fold_runs(&|index, rows| self.push_run(index, detail, rows))
+    }
+
+    /// The rows of a run.
+    pub(super) fn push_run(&self, index: usize, detail: timing::Detail, rows: &mut Tsqr) {
+        let samples = self.runs[index].samples().len();
+        let (each, taken) = timing::standing_for(samples, self.state.taking);
+        let taken = taken.filter(|k| self.state.apart[index][*k].is_none());
+        self.each_row(index, &taken.collect::<Vec<_>>(), detail, |k, row, residual_mm| {
+            let weight = each as f64 * self.weight(index, k);
+            rows.push_weighted(row, residual_mm, weight.sqrt() / self.state.counts_mm());
+        });
+        let mut row = vec![0.0; rows.columns()];
+        self.each_time_row(&mut row, index, |row, value, sigma| {
+            rows.push_weighted(row, value, 1.0 / sigma);
+        });
+        for (column, value, sigma) in self.driven(index) {
+            rows.push_prior(column, -value, sigma);
+        }
+    }
+
+    /// All rows, from the triangles of the runs.
+    pub(super) fn joined(&self, runs: Vec<Triangle>) -> Result<Bordered> {
         let own = (0..).map(|index| self.columns.own(index));
-        Bordered::new(own.zip(blocks).collect(), self.plausible()?)
+        Bordered::new(own.zip(runs).collect(), self.plausible()?)
     }
 
     /// Refuses a fit to no reading at all.
@@ -115,12 +127,18 @@ impl Fit<'_> {
         &self,
         push: &(dyn Fn(usize, &mut Tsqr) + Sync),
     ) -> Result<Vec<Triangle>> {
-        let of_run = |index: usize| {
-            let mut rows = Tsqr::new(self.columns.own(index) + self.columns.coefficients);
-            push(index, &mut rows);
-            rows.finish()
-        };
-        (0..self.runs.len()).into_par_iter().map(of_run).collect()
+        (0..self.runs.len()).into_par_iter().map(|index| self.fold_run(index, push)).collect()
+    }
+
+    /// The triangle of one run.
+    pub(super) fn fold_run(
+        &self,
+        index: usize,
+        push: impl FnOnce(usize, &mut Tsqr),
+    ) -> Result<Triangle> {
+        let mut rows = Tsqr::new(self.columns.own(index) + self.columns.coefficients);
+        push(index, &mut rows);
+        rows.finish()
     }
 
     /// The row of a sample: the times of its run, then the coefficients.
