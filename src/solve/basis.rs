@@ -1,7 +1,7 @@
 //! What a fit follows of anything: orthonormal directions at its samples.
 
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, Par};
+use faer::{Accum, Mat, MatRef, Par};
 
 use super::vector::dot;
 
@@ -66,11 +66,16 @@ impl Basis {
             return along;
         }
         let mut product = Mat::zeros(self.rank, full.len());
+        let (mut wide, mut of) = (Vec::new(), Vec::new());
         for (block, rows) in self.rows.chunks(AT_ONCE * self.rank).enumerate() {
             let (first, count) = (block * AT_ONCE, rows.len() / self.rank);
-            let rows = Mat::from_fn(self.rank, count, |k, i| f64::from(rows[i * self.rank + k]));
-            let of = Mat::from_fn(count, full.len(), |i, k| columns[full[k]][first + i]);
-            matmul(product.as_mut(), Accum::Add, &rows, &of, 1.0, Par::Seq);
+            wide.clear();
+            wide.extend(rows.iter().map(|q| f64::from(*q)));
+            of.clear();
+            full.iter().for_each(|k| of.extend_from_slice(&columns[*k][first..first + count]));
+            let rows = MatRef::from_column_major_slice(&wide, self.rank, count);
+            let of = MatRef::from_column_major_slice(&of, count, full.len());
+            matmul(product.as_mut(), Accum::Add, rows, of, 1.0, Par::Seq);
         }
         for (k, column) in full.into_iter().enumerate() {
             along[column].iter_mut().enumerate().for_each(|(row, to)| *to = product[(row, k)]);

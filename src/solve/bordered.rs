@@ -20,10 +20,11 @@
 
 use super::bordered_solution::{BorderedSolution, Elimination, Unknowns};
 use super::choice::Choice;
-use super::matrix::{Matrix, dot, norm};
+use super::matrix::{Matrix, norm};
 use super::spectrum::{Spectrum, Truncation, VANISHED};
 use super::triangle::Triangle;
 use super::tsqr::Tsqr;
+use super::vector::dot;
 use crate::Result;
 
 /// Rows of all blocks, with what each has for itself taken out of what they share.

@@ -6,10 +6,11 @@
 //! of the kept columns with `a_k` among them. For an exact tolerance this is the greedy algorithm on the
 //! matroid of independent columns: no other complete set has a column that the order prefers.
 
-use super::matrix::{dot, norm};
+use super::matrix::norm;
 use super::spectrum::Spectrum;
 use super::spectrum::Truncation;
 use super::triangle::Triangle;
+use super::vector::dot;
 use crate::Result;
 
 /// Above this many times the floor, what is left of a column decides alone; below, the singular values.

@@ -4,7 +4,7 @@
 //! call, with its workspace, costs more than the factorisation at that size.
 
 use super::matrix::Matrix;
-use super::matrix::dot;
+use super::vector::dot;
 
 /// `A = L L^T` of a symmetric positive definite matrix.
 #[derive(Debug, Clone, PartialEq)]

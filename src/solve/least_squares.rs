@@ -46,7 +46,7 @@ impl Spectrum {
         let along: Vec<f64> =
             (0..rank).map(|i| self.u_t_rhs[i] / self.singular_values[i]).collect();
         let x = (0..self.columns())
-            .map(|k| unscale(super::matrix::dot(&self.v.row(k)[..rank], &along), self.scales[k]))
+            .map(|k| unscale(super::vector::dot(&self.v.row(k)[..rank], &along), self.scales[k]))
             .collect();
         Solution { spectrum: self, rank, x }
     }

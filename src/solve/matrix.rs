@@ -6,6 +6,11 @@
 
 use std::ops::{Index, IndexMut};
 
+use faer::linalg::matmul::triangular::{self, BlockStructure};
+use faer::{Accum, MatMut, MatRef, Par};
+
+use super::vector::dot;
+
 /// A dense matrix of `f64`, stored row after row.
 ///
 /// The unit of an element is the business of whoever made it.
@@ -119,11 +124,21 @@ impl Matrix {
     #[must_use]
     pub fn times_own_transpose(&self) -> Self {
         let mut product = Self::zeros(self.rows, self.rows);
+        let a = MatRef::from_row_major_slice(&self.data, self.rows, self.columns);
+        triangular::matmul(
+            MatMut::from_row_major_slice_mut(&mut product.data, self.rows, self.rows),
+            BlockStructure::TriangularLower,
+            Accum::Replace,
+            a,
+            BlockStructure::Rectangular,
+            a.transpose(),
+            BlockStructure::Rectangular,
+            1.0,
+            Par::Seq,
+        );
         for i in 0..self.rows {
-            for k in 0..=i {
-                let sum = dot(self.row(i), self.row(k));
-                product[(i, k)] = sum;
-                product[(k, i)] = sum;
+            for k in 0..i {
+                product[(k, i)] = product[(i, k)];
             }
         }
         product
@@ -157,11 +172,6 @@ impl IndexMut<(usize, usize)> for Matrix {
     fn index_mut(&mut self, (i, k): (usize, usize)) -> &mut f64 {
         &mut self.data[i * self.columns + k]
     }
-}
-
-/// `a . b`, summed in order.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// The Euclidean norm, scaled by the largest element so that no square leaves the range of `f64`.

@@ -17,7 +17,7 @@
 //! Not modelled: noise whose size changes along the way, and noise that repeats from run to run.
 
 use super::matrix::Matrix;
-use super::matrix::dot;
+use super::vector::dot;
 use crate::error::Kind;
 use crate::{Error, Result};
 

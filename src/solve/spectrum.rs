@@ -9,10 +9,11 @@
 //! the scaling it would depend on whether an angle is given in radians or in arc seconds.
 
 use super::matrix::Matrix;
-use super::matrix::{dot, norm};
+use super::matrix::norm;
 use super::null_space::{NullDirection, sparse_basis};
 use super::svd::Decomposition;
 use super::triangle::Triangle;
+use super::vector::dot;
 use crate::Result;
 
 /// Which singular directions a solution keeps.
