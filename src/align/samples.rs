@@ -15,7 +15,7 @@ use super::time_map::{Moment, TimeMap};
 use crate::log::Reading;
 use crate::machine::Pose;
 use crate::model::{Averaged, Motion};
-use crate::motion::{Reversals, State, Times, Trajectory};
+use crate::motion::{Reversals, Times, Trajectory};
 
 /// By no more than rounding it does not move, mm.
 const STANDS_MM: f64 = 1e-9;
@@ -189,6 +189,19 @@ impl Alignment {
             };
             let blur_s =
                 if matches!(part, Part::Arc(_)) { time_map.chords[moment.leg].blur_s } else { 0.0 };
+            let of_chords = self.chord_sag_mm > 0.0 && matches!(part, Part::Arc(_));
+            let bow_mm = if !means || !moves || blur_s > 0.0 {
+                0.0
+            } else if of_chords {
+                self.bow_of_chords_mm(
+                    following,
+                    moment.program_s,
+                    state.block,
+                    &state.velocity_mm_s,
+                )
+            } else {
+                self.bow_mm(following, moment.program_s, state.block)
+            };
             if !moment.in_stop {
                 let [followed_mm, _] = following.at(trajectory, moment.program_s, state.block);
                 // Delays are those of the time map, all of them.
@@ -196,19 +209,16 @@ impl Alignment {
                 let onto_mm = if blur_s > 0.0 {
                     let speed_mm_s = state.velocity_mm_s.norm();
                     self.onto_mean_mm(&path_mm, &moment, blur_s, following, speed_mm_s)
+                } else if of_chords && time_map.rounded > 0.0 {
+                    let now = (moment.leg, moment.program_s, state.block);
+                    let rounding_mm = self.rounding_mm(following, now, &state.velocity_mm_s);
+                    self.along(&followed_mm) * (time_map.rounded * rounding_mm)
                 } else {
                     Vector3::zeros()
                 };
                 let late_mm = time_map.delays_s.component_mul(&state.velocity_mm_s);
                 state.position_mm = path_mm + onto_mm - late_mm;
             }
-            let bow_mm = if !means || !moves || blur_s > 0.0 {
-                0.0
-            } else if self.chord_sag_mm > 0.0 && matches!(part, Part::Arc(_)) {
-                self.bow_of_chords_mm(following, moment.program_s, &state)
-            } else {
-                self.bow_mm(following, moment.program_s, state.block)
-            };
             samples.push(Sample {
                 log_s,
                 line,
@@ -296,7 +306,7 @@ impl Alignment {
         speed_mm_s: f64,
     ) -> Vector3<f64> {
         let ball_mm = path_mm - self.coincidence_mm;
-        let along = ball_mm.try_normalize(f64::EPSILON).unwrap_or_else(Vector3::zeros);
+        let along = self.along(path_mm);
         let mean_mm = self.mean_mm(moment.leg, moment.program_s, over_s);
         let [inside_mm, _] = following.inside_mm(&along, speed_mm_s, self.radius_mm);
         along * (self.radius_mm + mean_mm - inside_mm.sum() - ball_mm.norm())
@@ -343,19 +353,6 @@ impl Alignment {
         (before_mm + after_mm - 2.0 * middle_mm) / 3.0
     }
 
-    /// The same on an arc of chords, whose vertices no curve of third degree follows: by where the slides are in their mean, and
-    /// by what the bar is longer for their way across it.
-    fn bow_of_chords_mm(&self, following: &Following, program_s: f64, now: &State) -> f64 {
-        let [middle_mm, _] = following.at(&self.trajectory, program_s, now.block);
-        let times = self.times(program_s);
-        let [mean_mm, _] = following.mean(&self.trajectory, &times, now.block);
-        let ball_mm = middle_mm - self.coincidence_mm;
-        let along = ball_mm.try_normalize(f64::EPSILON).unwrap_or_else(Vector3::zeros);
-        let across_mm_s = now.velocity_mm_s - along * now.velocity_mm_s.dot(&along);
-        let across_mm2 = across_mm_s.norm_squared() * times.variance_s2();
-        along.dot(&(mean_mm - middle_mm)) + across_mm2 / (2.0 * self.radius_mm)
-    }
-
     /// Program times of the readings of a sample about its own.
     pub fn times(&self, program_s: f64) -> Times {
         let count = self.averaged.max(1);
@@ -373,6 +370,12 @@ impl Alignment {
     /// Whether that is how slides follow which are said to follow so.
     pub fn follows(&self, following: &Following, longer_s: f64) -> bool {
         following.has(self.time_map.following_s + longer_s, &self.time_map.longer)
+    }
+
+    /// The unit vector from the workpiece ball to a place in machine coordinates.
+    pub(super) fn along(&self, position_mm: &Vector3<f64>) -> Vector3<f64> {
+        let ball_mm = position_mm - self.coincidence_mm;
+        ball_mm.try_normalize(f64::EPSILON).unwrap_or_else(Vector3::zeros)
     }
 
     /// Machine coordinates at which the ball centres coincide, mm.

@@ -48,6 +48,10 @@ pub struct TimeMap {
     pub following_sigma_s: f64,
     /// By how much the path that is driven lies outside of the one that the blocks describe, mm.
     pub cut_mm: f64,
+    /// By which share the control rounds the corners of chords out: 0 drives each to its end, 1 goes the mean over one.
+    pub rounded: f64,
+    /// Standard deviation of that.
+    pub rounded_sigma: f64,
     /// How much later than the mean of those that move each slide follows, s.
     pub delays_s: Vector3<f64>,
     /// Standard deviation of that, s.
@@ -111,6 +115,8 @@ impl TimeMap {
             following_s: 0.0,
             following_sigma_s: 0.0,
             cut_mm: 0.0,
+            rounded: 0.0,
+            rounded_sigma: 0.0,
             delays_s: Vector3::zeros(),
             delay_sigmas_s: Vector3::zeros(),
             longer: Vector3::zeros(),

@@ -5,7 +5,7 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use super::input::RunInput;
-use crate::align::TimeMap;
+use crate::align::{NO_SAG_MM, TimeMap};
 use crate::machine::Axis;
 use crate::model::Model;
 use crate::solve::Matrix;
@@ -25,10 +25,9 @@ pub(super) struct Columns {
     pub(super) unlike: bool,
     /// For each run whether its path has chords.
     cuts: Vec<bool>,
+    /// For each run whether the control may have rounded them out.
+    rounds: Vec<bool>,
 }
-
-/// Chords that are off their arc by less than rounding of the program are none, mm.
-const NO_SAG_MM: f64 = 1e-5;
 
 /// Unit vectors that say how slides that move follow late, the mean of them not at all: that is in the offsets.
 fn contrasts(moving: [bool; 3]) -> Vec<Vector3<f64>> {
@@ -75,12 +74,13 @@ impl Columns {
             as_planned: false,
             unlike: true,
             cuts: runs.iter().map(|run| run.alignment.chord_sag_mm > NO_SAG_MM).collect(),
+            rounds: runs.iter().map(|run| run.alignment.rounds_chords()).collect(),
         }
     }
 
     /// How many columns a run has for itself; those of the coefficients come after them.
     pub(super) fn own(&self, run: usize) -> usize {
-        self.longer(run).end + usize::from(self.cuts[run])
+        self.longer(run).end + usize::from(self.cuts[run]) + usize::from(self.rounds[run])
     }
 
     /// How many columns there are in all.
@@ -125,6 +125,11 @@ impl Columns {
         self.cuts[run].then(|| self.longer(run).end)
     }
 
+    /// Column of the share by which the control rounds the corners of chords out; `None` where it cannot.
+    pub(super) fn rounded(&self, run: usize) -> Option<usize> {
+        self.rounds[run].then(|| self.longer(run).end + usize::from(self.cuts[run]))
+    }
+
     /// Takes the uncertainty of a time map from the covariance of the columns of its run.
     pub(super) fn state_uncertainty(&self, run: usize, map: &mut TimeMap, covariance: &Matrix) {
         let sigma = |column: usize| covariance[(column, column)].max(0.0).sqrt();
@@ -143,6 +148,7 @@ impl Columns {
     pub(super) fn state_driving(&self, run: usize, map: &mut TimeMap, covariance: &Matrix) {
         let following = self.following(run);
         map.following_sigma_s = covariance[(following, following)].max(0.0).sqrt();
+        map.rounded_sigma = self.rounded(run).map_or(0.0, |k| covariance[(k, k)].max(0.0).sqrt());
         map.delay_sigmas_s = Vector3::from_fn(|slide, _| {
             let parts: Vec<(usize, f64)> =
                 self.delays(run).zip(&self.delays[run]).map(|(k, c)| (k, c[slide])).collect();

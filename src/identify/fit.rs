@@ -301,6 +301,10 @@ impl<'a> Fit<'a> {
             if let Some(cut) = self.columns.cut(index) {
                 map.cut_mm += step[cut];
             }
+            if let Some(column) = self.columns.rounded(index) {
+                let rounded = map.rounded + step[column];
+                map.rounded = rounded.clamp(0.0, 1.0);
+            }
             for (change_s, &leg) in step.iter().zip(&self.columns.legs[index]) {
                 // No step beyond a few seconds: far from the truth the derivative is not to be trusted.
                 map.offsets_s[leg] += change_s.clamp(-3.0, 3.0);

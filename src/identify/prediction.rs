@@ -197,6 +197,8 @@ pub(super) fn rehearsed_fit<'a>(
     }
     let mut fit = Fit::of(model, runs, options);
     fit.state.sigma_mm = noise.sigma();
+    // As a fit has it that is near.
+    fit.state.bent = true;
     fit.foresee_times()?;
     Ok(fit)
 }

@@ -279,5 +279,8 @@ fn own_unknowns(fit: &Fit, index: usize) -> Vec<Unknown> {
     if columns.cut(index).is_some() {
         push("cut".to_owned(), "mm", map.cut_mm);
     }
+    if columns.rounded(index).is_some() {
+        push("rounded".to_owned(), "1", map.rounded);
+    }
     unknowns
 }

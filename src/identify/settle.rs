@@ -243,13 +243,24 @@ impl Fit<'_> {
         loop {
             let before = held.len();
             for (index, run) in self.runs.iter().enumerate() {
-                let column = self.columns.following(index);
-                let step_s = solution.unknowns().own[index][column];
-                let least_s = (-run.alignment.time_map.following_s).max(-timing::STRIDE_S);
-                let possible_s = step_s.clamp(least_s, timing::STRIDE_S);
-                let held_before = held[..before].iter().any(|(held, ..)| *held == index);
-                if (possible_s - step_s).abs() > 0.0 && !held_before {
-                    held.push((index, column, possible_s, timing::AT_ONCE_S));
+                let map = &run.alignment.time_map;
+                let following = {
+                    let least_s = (-map.following_s).max(-timing::STRIDE_S);
+                    (self.columns.following(index), least_s, timing::STRIDE_S, timing::AT_ONCE_S)
+                };
+                let rounded = self.columns.rounded(index).map(|column| {
+                    let least = (-map.rounded).max(-timing::ROUNDED_STRIDE);
+                    let most = (1.0 - map.rounded).min(timing::ROUNDED_STRIDE);
+                    (column, least, most, timing::DRIVEN)
+                });
+                for (column, least, most, sigma) in std::iter::once(following).chain(rounded) {
+                    let step = solution.unknowns().own[index][column];
+                    let possible = step.clamp(least, most);
+                    let held_before =
+                        held[..before].iter().any(|held| (held.0, held.1) == (index, column));
+                    if (possible - step).abs() > 0.0 && !held_before {
+                        held.push((index, column, possible, sigma));
+                    }
                 }
             }
             if held.len() == before {

@@ -84,6 +84,13 @@ pub(super) const STRIDE_S: f64 = 0.005;
 /// What a control cuts off the corners of chords, or rounds them out by, is a part of how far chords are off their arc:
 /// their mean lies two thirds of that inside, and a path that is driven smoothly anywhere about it.
 pub(super) const CUT: f64 = 1.0 / 3.0;
+/// And the share by which it rounds them out is anything from none to all.
+pub(super) const ROUNDED: f64 = 1.0;
+/// Until times are found chords are driven: what is rounded out of them tells no time.
+pub(super) const DRIVEN: f64 = 1e-6;
+/// Rounded corners and slides that follow both take chords away, and a step in one is right as far as the other stays: by so much
+/// it goes at the most.
+pub(super) const ROUNDED_STRIDE: f64 = 0.2;
 /// Slides that are taken to follow at once do so within this, s: nothing, but not so much nothing that digits go.
 pub(super) const AT_ONCE_S: f64 = 1e-7;
 /// Half of the time over which the slope of single readings is taken, s.
@@ -162,19 +169,20 @@ pub(super) fn view(
     } else {
         errs_there_mm(&after) - errs_there_mm(&before)
     };
-    let grows_mm = errs_grow_mm + commanded_mm(after_s, &after.position_mm)
-        - commanded_mm(before_s, &before.position_mm);
-    // Where slides are, and what more of the time constant of each does, along the bar.
-    let times = run.alignment.times(sample.program_s);
-    let followed = |following: &Following| {
-        let trajectory = &run.alignment.trajectory;
-        let [position_mm, slope_mm_s] = if averaged {
-            following.mean(trajectory, &times, sample.block)
-        } else {
-            following.at(trajectory, sample.program_s, sample.block)
-        };
-        (along.dot(&position_mm), along.component_mul(&slope_mm_s))
+    let commanded_grows_mm =
+        commanded_mm(after_s, &after.position_mm) - commanded_mm(before_s, &before.position_mm);
+    // A mean over a chord grows from one end of it to the other.
+    let rounded = if facets_count { map.rounded } else { 0.0 };
+    let rounded_grows_mm = if rounded > 0.0 {
+        let chord_s = map.chords[sample.leg].lasts_s;
+        let [from, to] = [-0.5, 0.5].map(|share| beside(sample.program_s + share * chord_s));
+        (length_mm(&to.position_mm) - length_mm(&from.position_mm)) * 2.0 * step_s / chord_s
+    } else {
+        0.0
     };
+    let grows_mm = errs_grow_mm + (1.0 - rounded) * commanded_grows_mm + rounded * rounded_grows_mm;
+    // Where slides are, and what more of the time constant of each does, along the bar.
+    let followed = |following: &Following| followed(run, sample, following, &along, rounded);
     let delayed_mm_s = -along.component_mul(velocity_mm_s);
     let apart_s = if run.following[0].at_once() { 0.0 } else { map.following_s };
     let (following_mm_s, longer_mm) = if facets_count {
@@ -202,4 +210,29 @@ pub(super) fn view(
         speed_mm_s: grows_mm / (2.0 * step_s),
         errors,
     }
+}
+
+/// Where slides that follow are along the bar at a sample, mm, and by how much more of its time constant moves each, mm/s, where this
+/// share of the corners of chords is rounded out.
+fn followed(
+    run: &RunInput,
+    sample: &Sample,
+    following: &Following,
+    along: &Vector3<f64>,
+    rounded: f64,
+) -> (f64, Vector3<f64>) {
+    let alignment = &run.alignment;
+    let driven = if alignment.averaged > 1 {
+        let times = alignment.times(sample.program_s);
+        following.mean(&alignment.trajectory, &times, sample.block)
+    } else {
+        following.at(&alignment.trajectory, sample.program_s, sample.block)
+    };
+    let [position_mm, slope_mm_s] = if rounded > 0.0 {
+        let whole = alignment.over_chord(following, sample.leg, sample.program_s, sample.block);
+        [0, 1].map(|k| driven[k].lerp(&whole[k], rounded))
+    } else {
+        driven
+    };
+    (along.dot(&position_mm), along.component_mul(&slope_mm_s))
 }

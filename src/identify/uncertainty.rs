@@ -117,9 +117,9 @@ impl Fit<'_> {
         let solution = self.solve(&self.rows()?)?;
         let covariance = solution.covariance_unscaled();
         for (index, run) in self.runs.iter_mut().enumerate() {
-            let column = self.columns.following(index);
-            run.alignment.time_map.following_sigma_s =
-                covariance.own[index][(column, column)].max(0.0).sqrt();
+            let map = &mut run.alignment.time_map;
+            self.columns.state_driving(index, map, &covariance.own[index]);
+            map.following_sigma_s = map.following_sigma_s.hypot(map.corners_s());
         }
         self.hold_lags();
         // With all of them free it is the same.
@@ -129,9 +129,10 @@ impl Fit<'_> {
     /// Holds the lags of runs whose deviations are said to be more than the readings tell of one.
     pub(super) fn hold_lags(&mut self) {
         for (run, at_once) in self.runs.iter_mut().zip(&mut self.state.at_once) {
-            let sigma_s = run.alignment.time_map.following_sigma_s;
-            *at_once =
-                self.state.plausible.iter().any(Option::is_some) && sigma_s > UNTOLD * FOLLOWING_S;
+            let map = &run.alignment.time_map;
+            let sigma_s = map.following_sigma_s;
+            let untold = sigma_s > UNTOLD * FOLLOWING_S || map.corners_s() > 0.0;
+            *at_once = untold && self.state.plausible.iter().any(Option::is_some);
             if *at_once {
                 run.consider_lag(sigma_s);
             }

@@ -66,13 +66,13 @@ impl Basis {
             return along;
         }
         let mut product = Mat::zeros(self.rank, full.len());
-        let (mut wide, mut of) = (Vec::new(), Vec::new());
+        let (mut wide, mut of): (Vec<f64>, Vec<f64>) = Default::default();
         for (block, rows) in self.rows.chunks(AT_ONCE * self.rank).enumerate() {
             let (first, count) = (block * AT_ONCE, rows.len() / self.rank);
             wide.clear();
             wide.extend(rows.iter().map(|q| f64::from(*q)));
             of.clear();
-            full.iter().for_each(|k| of.extend_from_slice(&columns[*k][first..first + count]));
+            of.extend(full.iter().flat_map(|k| &columns[*k][first..first + count]));
             let rows = MatRef::from_column_major_slice(&wide, self.rank, count);
             let of = MatRef::from_column_major_slice(&of, count, full.len());
             matmul(product.as_mut(), Accum::Add, rows, of, 1.0, Par::Seq);

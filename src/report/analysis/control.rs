@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::align::{Alignment, Corners};
+use crate::align::Alignment;
 use crate::identify::Estimate;
 use crate::machine::Axis;
 use crate::model::HeldEffect;
@@ -14,10 +14,10 @@ use crate::report::text::numbers::finite;
 pub struct ControlResult {
     /// Time constant with which all slides followed the program alike, ms.
     pub following_ms: f64,
-    /// Its standard deviation, ms, of what is rounded by corners too.
+    /// Its standard deviation, ms.
     pub following_sigma_ms: Option<f64>,
-    /// How long the control took round a corner of the chords, ms; `None` where runs do not tell it.
-    pub corners_ms: Option<f64>,
+    /// By which share the control rounded the corners of chords out, and its standard deviation, %; `None` where there are none.
+    pub rounded_percent: Option<[f64; 2]>,
     /// How much later than the mean of those that moved X, Y and Z followed, ms.
     pub later_ms: [f64; 3],
     /// Standard deviations of that, ms.
@@ -35,7 +35,6 @@ impl ControlResult {
         alignment: &Alignment,
         estimates: &[Estimate],
         held: &[HeldEffect],
-        corners: Option<&Corners>,
         run: usize,
     ) -> Self {
         let map = &alignment.time_map;
@@ -65,12 +64,14 @@ impl ControlResult {
         let stood = map.breaks().iter().zip(map.stood_s()).filter(|(at, _)| !at.operator);
         let stood_s: Vec<f64> = stood.filter_map(|(_, stood_s)| stood_s).collect();
         let mean_s = stood_s.iter().sum::<f64>() / stood_s.len().max(1) as f64;
-        let following_s = corners.map_or(map.following_s, |corners| corners.following_s(alignment));
+        // Of times that do not tell chords nothing is known of their corners.
+        let rounded = alignment.rounds_chords() && map.rounded_sigma > 0.0;
         let ms = |s: f64| s * 1e3 + 0.0;
         Self {
-            following_ms: ms(following_s + of(None)),
+            following_ms: ms(map.following_s + of(None)),
             following_sigma_ms: finite(ms(map.following_sigma_s)),
-            corners_ms: corners.map(|corners| ms(corners.last_s(alignment))),
+            rounded_percent: rounded
+                .then(|| [map.rounded, map.rounded_sigma].map(|share| 100.0 * share)),
             later_ms: later_s.map(ms),
             later_sigma_ms: sigma_s.map(ms),
             standstill_longer_ms: (!stood_s.is_empty()).then(|| ms(mean_s)),

@@ -2,12 +2,20 @@
 
 use super::control::ControlResult;
 use super::facts::Analysis;
-use crate::report::text::layout::{paragraph, table};
+use crate::report::text::layout::table;
 use crate::report::text::numbers::{fixed, signed};
 
 /// How the control drove in every run, as far as its log tells.
 pub(super) fn table_of(analysis: &Analysis) -> String {
-    let head = ["run", "all follow with", "X later by", "Y", "Z", "standstills longer by"];
+    let head = [
+        "run",
+        "all follow with",
+        "X later by",
+        "Y",
+        "Z",
+        "standstills longer by",
+        "corners rounded",
+    ];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for run in analysis.runs() {
         let control = &run.control;
@@ -20,25 +28,21 @@ pub(super) fn table_of(analysis: &Analysis) -> String {
             (Some(mean), Some(most)) => format!("{} to {} ms", fixed(mean, 0), fixed(most, 0)),
             _ => "-".into(),
         });
+        row.push(rounded(control));
         rows.push(row);
     }
-    let mut text = table(&rows, "lrrrrr");
-    if let Some(sentence) = corners(analysis) {
-        paragraph(&mut text, "  ", &sentence);
-    }
-    text
+    table(&rows, "lrrrrrr")
 }
 
-/// What is known of how corners of chords were rounded.
-fn corners(analysis: &Analysis) -> Option<String> {
-    let last_ms = || analysis.runs().filter_map(|run| run.control.corners_ms);
-    let least = last_ms().filter(|ms| *ms > 0.0).reduce(f64::min)?;
-    let most = last_ms().fold(least, f64::max);
-    Some(format!(
-        "The control rounds the corners of chords within {} to {} ms, the longer the faster it drives; that is not counted in what slides follow with.",
-        fixed(least, 0),
-        fixed(most, 0)
-    ))
+/// By which share corners of chords were rounded out.
+fn rounded(control: &ControlResult) -> String {
+    match control.rounded_percent {
+        None => "-".into(),
+        Some([percent, sigma]) if percent < 3.0 * sigma => {
+            format!("0 to {} %", fixed((percent + 2.0 * sigma).min(100.0), 0))
+        }
+        Some([percent, sigma]) => format!("{} +- {} %", fixed(percent, 0), fixed(sigma, 0)),
+    }
 }
 
 /// With what all slides followed alike.

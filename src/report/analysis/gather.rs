@@ -10,7 +10,7 @@ use super::run_facts::{
     ArcResult, FeedOverride, MarkResult, PauseResult, RejectedSample, RunResult, SampleCounts,
 };
 use super::{cautions, driven, means, place};
-use crate::align::{Circle, Corners, Mark, MarkKind, TimeMap};
+use crate::align::{Circle, Mark, MarkKind, TimeMap};
 use crate::compensate::{ErrorModel, Stored};
 use crate::identify::{self, Campaign, Estimate, Identification, IdentifiedRun, Record};
 use crate::machine::{Axis, Machine, Pivot};
@@ -43,14 +43,12 @@ impl Analysis {
     pub(super) fn gathered(test: &Test, machine: &Machine, campaign: &Campaign) -> Self {
         let identifications = &campaign.repeats;
         let mut runs = StatedRuns::new(test);
-        let all_runs = identifications.iter().flat_map(|from| &from.runs);
-        let corners = Corners::of(all_runs.map(|run| &run.alignment));
         let repeats: Vec<RepeatResult> = identifications
             .iter()
             .enumerate()
             .map(|(index, identification)| {
                 let held = campaign.held.get(index).map_or(&[][..], Vec::as_slice);
-                repeat(index, identification, held, corners.as_ref(), &mut runs)
+                repeat(index, identification, held, &mut runs)
             })
             .collect();
         let over_repeats = means::of(identifications);
@@ -169,7 +167,6 @@ fn repeat(
     index: usize,
     from: &Identification,
     held: &[HeldEffect],
-    corners: Option<&Corners>,
     stated: &mut StatedRuns<'_>,
 ) -> RepeatResult {
     let parameters: Vec<Parameter> = from.estimates.iter().map(|e| e.parameter.clone()).collect();
@@ -181,7 +178,7 @@ fn repeat(
         .map(|(place, run)| {
             let of_file = stated.take(&run.name);
             number = number.or(of_file.map(|run| run.repeat));
-            let control = ControlResult::of(&run.alignment, &from.estimates, held, corners, place);
+            let control = ControlResult::of(&run.alignment, &from.estimates, held, place);
             run_result(run, control, of_file, stated.mounting(run.mounting))
         })
         .collect();
