@@ -3,6 +3,8 @@
 /// `a · b`, summed in four lanes: always the same four, so always the same bits. What is longer in one of
 /// them does not count.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let count = a.len().min(b.len());
+    let (a, b) = (&a[..count], &b[..count]);
     let mut lanes = [0.0; 4];
     let (fours_a, fours_b) = (a.chunks_exact(4), b.chunks_exact(4));
     let rest = fours_a.remainder().iter().zip(fours_b.remainder());
@@ -31,6 +33,11 @@ mod tests {
             let a: Vec<f64> = (1..=count).map(f64::from).collect();
             let squares: i32 = (1..=count).map(|k| k * k).sum();
             assert!((dot(&a, &a) - f64::from(squares)).abs() < 1e-12);
+            for longer in 1..5 {
+                let b = [&a[..], &vec![7.0; longer]].concat();
+                assert!((dot(&a, &b) - f64::from(squares)).abs() < 1e-12);
+                assert!((dot(&b, &a) - f64::from(squares)).abs() < 1e-12);
+            }
         }
     }
 
