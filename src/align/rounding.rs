@@ -93,6 +93,6 @@ impl TimeMap {
         // Of other legs than those of arcs the blocks last longer.
         let last_s = self.chords.iter().map(|chords| chords.lasts_s).filter(|s| *s > 0.0);
         let last_s2 = last_s.reduce(f64::min).unwrap_or(0.0).powi(2);
-        (self.following_s.powi(2) + self.rounded * last_s2 / 6.0).sqrt() - self.following_s
+        (self.following_s.powi(2) + self.rounded.min(1.0) * last_s2 / 6.0).sqrt() - self.following_s
     }
 }

@@ -209,7 +209,7 @@ impl Alignment {
                 let onto_mm = if blur_s > 0.0 {
                     let speed_mm_s = state.velocity_mm_s.norm();
                     self.onto_mean_mm(&path_mm, &moment, blur_s, following, speed_mm_s)
-                } else if of_chords && time_map.rounded > 0.0 {
+                } else if of_chords && time_map.rounded.abs() > 0.0 {
                     let now = (moment.leg, moment.program_s, state.block);
                     let rounding_mm = self.rounding_mm(following, now, &state.velocity_mm_s);
                     self.along(&followed_mm) * (time_map.rounded * rounding_mm)

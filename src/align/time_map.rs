@@ -48,7 +48,8 @@ pub struct TimeMap {
     pub following_sigma_s: f64,
     /// By how much the path that is driven lies outside of the one that the blocks describe, mm.
     pub cut_mm: f64,
-    /// By which share the control rounds the corners of chords out: 0 drives each to its end, 1 goes the mean over one.
+    /// By which share the control rounds the corners of chords out: 0 drives each to its end, 1 goes the mean over one. What is
+    /// estimated may be a little less than none or more than all.
     pub rounded: f64,
     /// Standard deviation of that.
     pub rounded_sigma: f64,

@@ -302,8 +302,7 @@ impl<'a> Fit<'a> {
                 map.cut_mm += step[cut];
             }
             if let Some(column) = self.columns.rounded(index) {
-                let rounded = map.rounded + step[column];
-                map.rounded = rounded.clamp(0.0, 1.0);
+                map.rounded += step[column];
             }
             for (change_s, &leg) in step.iter().zip(&self.columns.legs[index]) {
                 // No step beyond a few seconds: far from the truth the derivative is not to be trusted.

@@ -248,11 +248,9 @@ impl Fit<'_> {
                     let least_s = (-map.following_s).max(-timing::STRIDE_S);
                     (self.columns.following(index), least_s, timing::STRIDE_S, timing::AT_ONCE_S)
                 };
-                let rounded = self.columns.rounded(index).map(|column| {
-                    let least = (-map.rounded).max(-timing::ROUNDED_STRIDE);
-                    let most = (1.0 - map.rounded).min(timing::ROUNDED_STRIDE);
-                    (column, least, most, timing::DRIVEN)
-                });
+                let stride = timing::ROUNDED_STRIDE;
+                let rounded = self.columns.rounded(index);
+                let rounded = rounded.map(|column| (column, -stride, stride, timing::HELD_SHARE));
                 for (column, least, most, sigma) in std::iter::once(following).chain(rounded) {
                     let step = solution.unknowns().own[index][column];
                     let possible = step.clamp(least, most);

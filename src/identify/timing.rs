@@ -86,8 +86,8 @@ pub(super) const STRIDE_S: f64 = 0.005;
 pub(super) const CUT: f64 = 1.0 / 3.0;
 /// And the share by which it rounds them out is anything from none to all.
 pub(super) const ROUNDED: f64 = 1.0;
-/// Until times are found chords are driven: what is rounded out of them tells no time.
-pub(super) const DRIVEN: f64 = 1e-6;
+/// A step that is held is held to this.
+pub(super) const HELD_SHARE: f64 = 1e-6;
 /// Rounded corners and slides that follow both take chords away, and a step in one is right as far as the other stays: by so much
 /// it goes at the most.
 pub(super) const ROUNDED_STRIDE: f64 = 0.2;
@@ -173,7 +173,7 @@ pub(super) fn view(
         commanded_mm(after_s, &after.position_mm) - commanded_mm(before_s, &before.position_mm);
     // A mean over a chord grows from one end of it to the other.
     let rounded = if facets_count { map.rounded } else { 0.0 };
-    let rounded_grows_mm = if rounded > 0.0 {
+    let rounded_grows_mm = if rounded.abs() > 0.0 {
         let chord_s = map.chords[sample.leg].lasts_s;
         let [from, to] = [-0.5, 0.5].map(|share| beside(sample.program_s + share * chord_s));
         (length_mm(&to.position_mm) - length_mm(&from.position_mm)) * 2.0 * step_s / chord_s
@@ -228,7 +228,7 @@ fn followed(
     } else {
         following.at(&alignment.trajectory, sample.program_s, sample.block)
     };
-    let [position_mm, slope_mm_s] = if rounded > 0.0 {
+    let [position_mm, slope_mm_s] = if rounded.abs() > 0.0 {
         let whole = alignment.over_chord(following, sample.leg, sample.program_s, sample.block);
         [0, 1].map(|k| driven[k].lerp(&whole[k], rounded))
     } else {

@@ -39,9 +39,11 @@ fn rounded(control: &ControlResult) -> String {
     match control.rounded_percent {
         None => "-".into(),
         Some([percent, sigma]) if percent < 3.0 * sigma => {
-            format!("0 to {} %", fixed((percent + 2.0 * sigma).min(100.0), 0))
+            format!("0 to {} %", fixed((percent + 2.0 * sigma).clamp(0.0, 100.0), 0))
         }
-        Some([percent, sigma]) => format!("{} +- {} %", fixed(percent, 0), fixed(sigma, 0)),
+        Some([percent, sigma]) => {
+            format!("{} +- {} %", fixed(percent.min(100.0), 0), fixed(sigma, 0))
+        }
     }
 }
 
