@@ -145,14 +145,22 @@ pub const CAUSES: &[Cause] = &[
         id: "growing-backlash",
         title: "backlash that grows along the travel",
         seat: SeatKind::Function,
-        keys: &[Key {
-            name: "slope",
-            measure: Measure::OfSeatPerLength,
-            default: None,
-            limits: [-1e5, 1e5],
-        }],
-        law: Law::Curve(turning(Variable::Position), |h, _| h, None),
-        equation: "E = slope b h",
+        keys: &[
+            Key {
+                name: "slope",
+                measure: Measure::OfSeatPerLength,
+                default: None,
+                limits: [-1e5, 1e5],
+            },
+            or(key("from", Unit::MM, [-1e5, 1e5]), 0.0),
+        ],
+        // From the middle of what was driven the reversal there stays what it is.
+        law: Law::Curve(
+            turning(Variable::Position),
+            |h, from| h - from,
+            Some(inner("from", None, Start::Middle)),
+        ),
+        equation: "E = slope b (h - from)",
         source: "a nut or a screw worn over part of the travel; a screw that winds up with its free length",
         remedy: "measure the reversal at several places (ISO 230-2), then preload or replace the nut; compensate by table",
         taken_for: "a constant reversal error; a squareness that differs with the direction",

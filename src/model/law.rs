@@ -71,6 +71,8 @@ pub enum Start {
     Grid([f64; 2], usize),
     /// The same as parts of the longest time since a program began: time constants.
     TimeConstants([f64; 2], usize),
+    /// Not looked for: the middle of the test, about which its machine is told.
+    Middle,
     /// Each whole number within the limits of its key.
     Whole,
     /// Every wave that the way holds.

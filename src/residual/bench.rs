@@ -81,6 +81,7 @@ pub(crate) fn residuals(repeats: usize, mut noise: impl FnMut() -> f64) -> Resid
         repeats,
         model_mm: Column::from(model_mm),
         way_mm: [2.0 * BAR_MM, 2.0 * BAR_MM, 0.0],
+        middle_mm: [0.0; 3],
         fastest_mm_s: [FEED_MM_S, FEED_MM_S, 0.0],
         arcs,
         held: true,

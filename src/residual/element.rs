@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::column::Column;
 use super::residuals::{Repeat, Residuals};
-use crate::model::{Empirical, Form, Inner, Law, Scale, Shape, Term};
+use crate::model::{Empirical, Form, Inner, Law, Scale, Shape, Start, Term};
 
 /// Whether an effect is the same in all runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -146,7 +146,8 @@ impl Element {
         let of_axis =
             |of: &[f64; 3]| shape.seat.axis().map_or(f64::INFINITY, |axis| of[axis.index()]);
         let [_, most] = key.limits_si(shape.seat);
-        number > 0.0
+        let stands = inner.start == Start::Middle;
+        (number > 0.0 || stands)
             && number <= most
             && number < inner.part_of_way * of_axis(&residuals.way_mm)
             && number < inner.part_of_fastest * of_axis(&residuals.fastest_mm_s)

@@ -63,6 +63,8 @@ pub struct Residuals {
     pub model_mm: Column,
     /// How far each slide went, mm.
     pub way_mm: [f64; 3],
+    /// About which the errors of each slide are told, mm in machine coordinates.
+    pub middle_mm: [f64; 3],
     /// How fast each slide went at the most, mm/s.
     pub fastest_mm_s: [f64; 3],
     /// How many arcs there are.
@@ -124,13 +126,16 @@ impl Residuals {
             model_mm.push(linear.samples.iter().map(|s| s.left_mm * s.root_weight).collect());
             repeats.push(Repeat::of(identified, linear, &mut arcs, &mut programs));
         }
-        let way_mm = [0, 1, 2].map(|slide| {
+        let ends_mm = [0, 1, 2].map(|slide| {
             let samples = repeats.iter().flat_map(|repeat: &Repeat| &repeat.samples);
             let at = samples.map(|s| s.situation.pose.position_mm[slide]);
-            let (low, high) =
-                at.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-            (high - low).max(0.0)
+            at.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)))
         });
+        let way_mm = ends_mm.map(|(low, high)| (high - low).max(0.0));
+        let middle_mm = match &campaign.frame {
+            Some(frame) => frame.middle_mm.into(),
+            None => ends_mm.map(|(low, high)| 0.5 * (low + high)),
+        };
         let fastest_mm_s = [0, 1, 2].map(|slide| {
             let samples = repeats.iter().flat_map(|repeat: &Repeat| &repeat.samples);
             samples.map(|s| s.situation.motion.velocity_mm_s[slide].abs()).fold(0.0, f64::max)
@@ -138,7 +143,7 @@ impl Residuals {
         let model_mm = Column::from(model_mm);
         let held = campaign.held.iter().any(|held| !held.is_empty());
         let taken_out = OnceLock::new();
-        Ok(Self { repeats, model_mm, way_mm, fastest_mm_s, arcs, held, taken_out })
+        Ok(Self { repeats, model_mm, way_mm, middle_mm, fastest_mm_s, arcs, held, taken_out })
     }
 
     /// The same samples with something added to what the model leaves, mm, as far as the fits do not follow

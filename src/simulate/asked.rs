@@ -7,11 +7,13 @@ use super::bend::{Bent, Condition};
 use super::scenario::Scenario;
 use crate::error::Result;
 use crate::machine::{Axis, Machine, Mounting};
+use crate::model::Effect;
 
 /// Intervals of a line: Simpson's rule is exact for the cubics times `u` to 1e-7 of them.
 const INTERVALS: u32 = 48;
 
-/// The true values at a place, by name such as `scale X`; mm/mm and mm. Hidden effects are not in them.
+/// The true values at a place, by name such as `scale X`; mm/mm and mm. Of hidden effects only backlash that grows along the
+/// travel is in them: in the middle the machine has what it is there.
 ///
 /// | name | value |
 /// | --- | --- |
@@ -28,7 +30,9 @@ pub fn at_the_place(
     middle_mm: &Vector3<f64>,
     reach_mm: &Vector3<f64>,
 ) -> Result<Vec<(String, f64)>> {
-    let bare = Scenario { hidden: Vec::new(), ..scenario.clone() };
+    let grows = |effect: &Effect| effect.cause.id == "growing-backlash";
+    let mut bare = scenario.clone();
+    bare.hidden.retain(grows);
     let line = Line { bent: Bent::new(machine, mounting, &bare)?, middle_mm, reach_mm };
     let axes: Vec<Axis> =
         Axis::ALL.into_iter().filter(|axis| reach_mm[axis.index()] > 0.0).collect();

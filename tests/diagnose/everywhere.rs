@@ -128,6 +128,23 @@ fn corners_that_a_planner_rounds_out_are_no_lag() {
     }
 }
 
+/// Told from machine zero it took a reversal of 34 um along, and left less than a hundredth of itself outside of the model.
+#[test]
+fn backlash_grows_from_the_middle_of_the_test_however_far_the_zero_is() {
+    let measured = measured("grows");
+    let findings = &measured.diagnosis.findings;
+    assert_eq!(findings.len(), 1, "{findings:?}");
+    let effect = &findings[0].effects[0];
+    assert_eq!((effect.cause.id, effect.seat.to_string().as_str()), ("growing-backlash", "EZZ"));
+    near(&findings[0], "slope_um_m", 40.0);
+    near(&findings[0], "from_mm", -420.0);
+    assert!(measured.diagnosis.verdict.after_mm < 1.05 * 0.1588e-3);
+    for (truth, place) in measured.scales_and_squarenesses_within(3.0) {
+        let off = (place.value - truth) / place.all.unwrap();
+        assert!(off.abs() < 3.0, "{truth}: {place:?}");
+    }
+}
+
 /// Little is left that changes along the arcs, so hardly anything tells when a reading was taken: such a fit comes to rest, too.
 #[test]
 fn a_compensated_machine_is_measured_again() {

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::diagnose::thresholds::SHOWS;
 use crate::identify::Campaign;
-use crate::model::{CAUSES, Cause, Seat, Shape};
+use crate::model::{CAUSES, Cause, Inner, Key, Seat, Shape, Start};
 use crate::residual::{Beside, Element, System};
 
 /// Names in one sentence; more are counted.
@@ -24,7 +24,11 @@ pub(crate) fn unseen(
 /// Causes of which the fit of the model leaves nothing.
 fn by_the_fit(alone: &Beside, campaign: &Campaign) -> Vec<String> {
     let seen = |cause: &'static Cause, seat: Seat| {
-        let shape = Shape { cause, seat, inner: None };
+        let middle = |(inner, _): (&Inner, &Key)| {
+            let axis = seat.axis().filter(|_| inner.start == Start::Middle)?;
+            Some(alone.residuals.middle_mm[axis.index()])
+        };
+        let shape = Shape { cause, seat, inner: cause.inner(seat).and_then(middle) };
         System::of(alone, &Element::shared(shape)).share_outside() > SHOWS
     };
     let mut sentences = Vec::new();

@@ -248,6 +248,14 @@ impl Channel {
     pub(crate) fn squares(&self) -> Vec<f64> {
         total(self.centers.len(), self.repeats.iter().map(|gathered| &gathered.squares))
     }
+
+    /// From where to where its variable went: of bins in which there is anything.
+    pub(crate) fn range(&self) -> [f64; 2] {
+        let filled = self.centers.iter().zip(self.squares()).filter(|(_, square)| *square > 0.0);
+        filled.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], (center, _)| {
+            [least.min(*center), most.max(*center)]
+        })
+    }
 }
 
 /// The sum of rows, one after the other.

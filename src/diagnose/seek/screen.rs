@@ -117,8 +117,13 @@ impl Prospect<'_> {
     /// where it explains less than `least_mm2`.
     pub(crate) fn candidates(&self, tuning: &Tuning, least_mm2: f64) -> Vec<Candidate> {
         let beside = &self.beside;
-        let mut found: Vec<Candidate> =
-            self.looks.par_iter().map(of_channel).collect::<Vec<_>>().concat();
+        let middle_mm = &beside.residuals.middle_mm;
+        let mut found: Vec<Candidate> = self
+            .looks
+            .par_iter()
+            .map(|look| of_channel(look, middle_mm))
+            .collect::<Vec<_>>()
+            .concat();
         let direct: Vec<Option<Candidate>> = self
             .direct
             .par_iter()
@@ -152,7 +157,7 @@ fn starting(so: impl Fn(&Start) -> bool) -> impl Iterator<Item = &'static Cause>
 fn direct(cause: &'static Cause, campaign: &Campaign) -> Vec<Shape> {
     let of_seat = |seat: Seat| -> Vec<Shape> {
         let inners = match cause.law(seat) {
-            Law::Harmonics(_) | Law::Corner(_) => numbers(cause, seat, 0.0),
+            Law::Harmonics(_) | Law::Corner(_) => numbers(cause, seat, 0.0, 0.0),
             Law::Constant => vec![None],
             Law::Curve(..) | Law::Wave(..) | Law::Setting | Law::Unknown(_) => Vec::new(),
         };
@@ -165,8 +170,9 @@ fn direct(cause: &'static Cause, campaign: &Campaign) -> Vec<Shape> {
     cause.seats().into_iter().filter(missing).flat_map(of_seat).collect()
 }
 
-/// The inner numbers that are tried on a seat; `longest` is the largest value of the variable.
-fn numbers(cause: &Cause, seat: Seat, longest: f64) -> Vec<Option<f64>> {
+/// The inner numbers that are tried on a seat; `longest` is the largest value of the variable, `middle` that in the middle of the
+/// test.
+fn numbers(cause: &Cause, seat: Seat, longest: f64, middle: f64) -> Vec<Option<f64>> {
     let Some((inner, key)) = cause.inner(seat) else { return vec![None] };
     let some = |values: Vec<f64>| values.into_iter().map(Some).collect();
     match inner.start {
@@ -174,13 +180,14 @@ fn numbers(cause: &Cause, seat: Seat, longest: f64) -> Vec<Option<f64>> {
         Start::TimeConstants([low, high], count) => {
             some(grid(low * longest, high * longest, count))
         }
+        Start::Middle => some(vec![middle]),
         Start::Whole => some(key.whole_numbers().collect()),
         Start::Waves | Start::Lines | Start::Moments => Vec::new(),
     }
 }
 
 /// The causes that hang on a channel's variable.
-fn of_channel(channel: &Look) -> Vec<Candidate> {
+fn of_channel(channel: &Look, middle_mm: &[f64; 3]) -> Vec<Candidate> {
     let place = channel.of;
     let hangs_on_it = |cause: &&Cause| {
         let axis = place.variable.slide().unwrap_or(Axis::X);
@@ -190,11 +197,12 @@ fn of_channel(channel: &Look) -> Vec<Candidate> {
         });
         same && cause.seats().contains(&place.seat)
     };
-    CAUSES.iter().filter(hangs_on_it).flat_map(|cause| of_cause(cause, channel)).collect()
+    let middle = place.variable.slide().map_or(0.0, |axis| middle_mm[axis.index()]);
+    CAUSES.iter().filter(hangs_on_it).flat_map(|cause| of_cause(cause, channel, middle)).collect()
 }
 
 /// A cause in a channel: the number inside that explains most, or each that is another thing.
-fn of_cause(cause: &'static Cause, channel: &Look) -> Vec<Candidate> {
+fn of_cause(cause: &'static Cause, channel: &Look, middle: f64) -> Vec<Candidate> {
     let seat = channel.of.seat;
     let f = match cause.law(seat) {
         Law::Curve(_, f, _) => f,
@@ -211,7 +219,7 @@ fn of_cause(cause: &'static Cause, channel: &Look) -> Vec<Candidate> {
         Candidate { element: Element::shared(shape), gain_mm2 }
     };
     let longest = channel.centers.iter().copied().fold(1.0, f64::max);
-    let found = numbers(cause, seat, longest).into_iter().filter_map(explained);
+    let found = numbers(cause, seat, longest, middle).into_iter().filter_map(explained);
     match cause.law(seat).inner() {
         Some(Inner { start: Start::Whole, .. }) => found.map(candidate).collect(),
         _ => found.max_by(|a, b| a.1.total_cmp(&b.1)).map(candidate).into_iter().collect(),
@@ -220,10 +228,7 @@ fn of_cause(cause: &'static Cause, channel: &Look) -> Vec<Candidate> {
 
 /// The periods of an error function that explain most.
 fn cyclic(cause: &'static Cause, channel: &Look) -> Vec<Candidate> {
-    let (low, high) = channel
-        .centers
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+    let [low, high] = channel.range();
     let way_mm = high - low;
     if way_mm < 4.0 * SHORTEST_MM {
         return Vec::new();

@@ -48,7 +48,7 @@ fn error(effect: &Effect, slide: Axis, now: &Condition) -> f64 {
         "degree" => amplitude * (h_mm / DEGREE_AT_MM).powi(effect.get("degree") as i32),
         "bump" => amplitude * (-0.5 * from_at().powi(2)).exp(),
         "joint" => amplitude * from_at().tanh(),
-        "growing-backlash" => effect.get("slope") * sense * h_mm,
+        "growing-backlash" => effect.get("slope") * sense * (h_mm - effect.get("from")),
         "pre-sliding" => {
             // A slide that has never turned round leans as far as it can.
             let left = now.reversals[k]

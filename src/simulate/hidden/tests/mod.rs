@@ -125,7 +125,7 @@ const EXAMPLES: [&str; 26] = [
     "cyclic:on=EBZ,amplitude_urad=5,period_mm=20,phase_rad=1",
     "servo:on=Y,delay_ms=0.4",
     "reversal-spike:on=X,amplitude_um=3,decay_ms=500",
-    "growing-backlash:on=EYY,slope_um_m=10",
+    "growing-backlash:on=EYY,slope_um_m=10,from_mm=50",
     "pre-sliding:on=EYY,amplitude_um=2,distance_mm=3",
     "drift:on=EZt,amplitude_um=6,time_constant_s=500",
     "drift:on=EXX1,amplitude_um_m=12,time_constant_s=600",

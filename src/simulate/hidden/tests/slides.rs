@@ -41,7 +41,10 @@ fn an_error_function_displaces_its_slide() {
             Box::new(|h, _| 3e-3 * (1.0 - 2.0 / ((0.4 * (h - 10.0)).exp() + 1.0))),
         ),
         ("growing-backlash:on=EYY,slope_um_m=10", Box::new(|h, b| 1e-5 * b * h)),
-        ("growing-backlash:on=EXX,slope_um_m=-20", Box::new(|h, b| -2e-5 * b * h)),
+        (
+            "growing-backlash:on=EXX,slope_um_m=-20,from_mm=7",
+            Box::new(|h, b| -2e-5 * b * (h - 7.0)),
+        ),
     ];
     for machine in ["hu40t.toml", "vertical.toml"] {
         let bench = bench(machine);
