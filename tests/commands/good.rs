@@ -21,6 +21,9 @@ fn the_demonstration_leaves_program_report_and_samples() {
     );
     assert!(outcome.stdout().contains("38 of 38 parameters observed"), "{}", outcome.stdout());
     let report = std::fs::read_to_string(work.path("results/report.html")).unwrap();
+    // Terminal and page tell the same of how the control drove.
+    let drove = report.split("<h3>How the control drove</h3>").nth(1).unwrap();
+    assert!(drove.contains("corners rounded") && drove.contains("<td class=\"name\">run1</td>"));
     assert!(report.contains("Meridian 36") && report.trim_end().ends_with("</html>"));
 }
 

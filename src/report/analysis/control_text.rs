@@ -2,36 +2,37 @@
 
 use super::control::ControlResult;
 use super::facts::Analysis;
+use super::run_facts::RunResult;
 use crate::report::text::layout::table;
 use crate::report::text::numbers::{fixed, signed};
 
+/// The columns of the table.
+pub(super) const HEAD: [&str; 7] =
+    ["run", "all follow with", "X later by", "Y", "Z", "standstills longer by", "corners rounded"];
+
 /// How the control drove in every run, as far as its log tells.
 pub(super) fn table_of(analysis: &Analysis) -> String {
-    let head = [
-        "run",
-        "all follow with",
-        "X later by",
-        "Y",
-        "Z",
-        "standstills longer by",
-        "corners rounded",
-    ];
-    let mut rows = vec![head.map(str::to_owned).to_vec()];
-    for run in analysis.runs() {
+    let head = HEAD.map(str::to_owned).to_vec();
+    let rows = rows(analysis).into_iter().map(Vec::from);
+    table(&std::iter::once(head).chain(rows).collect::<Vec<_>>(), "lrrrrrr")
+}
+
+/// Its rows.
+pub(super) fn rows(analysis: &Analysis) -> Vec<[String; 7]> {
+    let row = |run: &RunResult| {
         let control = &run.control;
-        let mut row = vec![run.name.clone(), following(control)];
-        let later = control.later_ms.iter().zip(&control.later_sigma_ms);
-        row.extend(later.map(|(ms, sigma)| {
-            if *sigma > 0.0 { format!("{} ms", signed(*ms, 3)) } else { "-".into() }
-        }));
-        row.push(match (control.standstill_longer_ms, control.standstill_longest_ms) {
+        let later = [0, 1, 2].map(|axis| {
+            let (ms, sigma) = (control.later_ms[axis], control.later_sigma_ms[axis]);
+            if sigma > 0.0 { format!("{} ms", signed(ms, 3)) } else { "-".into() }
+        });
+        let stood = match (control.standstill_longer_ms, control.standstill_longest_ms) {
             (Some(mean), Some(most)) => format!("{} to {} ms", fixed(mean, 0), fixed(most, 0)),
             _ => "-".into(),
-        });
-        row.push(rounded(control));
-        rows.push(row);
-    }
-    table(&rows, "lrrrrrr")
+        };
+        let [x, y, z] = later;
+        [run.name.clone(), following(control), x, y, z, stood, rounded(control)]
+    };
+    analysis.runs().map(row).collect()
 }
 
 /// By which share corners of chords were rounded out.

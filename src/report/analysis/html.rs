@@ -12,7 +12,7 @@ use super::front;
 use super::record;
 use super::shown::Shown;
 use super::tables::{self, CoefficientRow};
-use super::{driven, live, place, run_tables, traces, verdict};
+use super::{control_text, driven, live, place, run_tables, traces, verdict};
 use crate::error::{Error, Kind, Result};
 use crate::report::text::filters;
 use crate::report::text::numbers::fixed;
@@ -50,6 +50,9 @@ struct Page<'a> {
     reversal: Vec<[String; 6]>,
     several_mountings: bool,
     runs: Vec<[String; 9]>,
+    /// How the control drove, below these words.
+    driving: Vec<[String; 7]>,
+    driving_head: [&'static str; 7],
     arcs: Vec<ArcRow>,
     confounded: Vec<String>,
     noise: Vec<[String; 7]>,
@@ -110,6 +113,8 @@ pub fn render(analysis: &Analysis, shown: Shown) -> Result<String> {
             .runs_with_before()
             .map(|(now, before)| run_tables::run(now, before))
             .collect(),
+        driving: run_tables::driving(analysis),
+        driving_head: control_text::HEAD,
         arcs: arc_table::rows(analysis),
         confounded: analysis.repeats.first().map_or_else(Vec::new, |r| r.confounded.clone()),
         noise: run_tables::noises(analysis),

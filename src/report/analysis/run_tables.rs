@@ -1,5 +1,6 @@
 //! Tables of the runs: their alignment, what they leave, the pauses of the operator.
 
+use super::control_text;
 use super::facts::{Analysis, RepeatResult};
 use super::run_facts::RunResult;
 use super::tables::shown;
@@ -34,6 +35,19 @@ pub(super) fn run(run: &RunResult, before: Option<&RunResult>) -> [String; 9] {
         run.mounting.clone(),
         shown(before.map(|before| before.residual_rms_um), 3),
     ]
+}
+
+/// How the control drove in every run.
+pub(super) fn driving(analysis: &Analysis) -> Vec<[String; 7]> {
+    let cell = |text: String| match text.as_str() {
+        "-" => "–".to_owned(),
+        _ => typeset(&text.replace(" +- ", " ± ")),
+    };
+    let row = |[run, cells @ ..]: [String; 7]| {
+        let [a, b, c, d, e, f] = cells.map(cell);
+        [run, a, b, c, d, e, f]
+    };
+    control_text::rows(analysis).into_iter().map(row).collect()
 }
 
 pub(super) fn noises(analysis: &Analysis) -> Vec<[String; 7]> {
