@@ -47,13 +47,30 @@ impl Fit<'_> {
 
     /// The rows of a run.
     pub(super) fn push_run(&self, index: usize, detail: timing::Detail, rows: &mut Tsqr) {
-        let samples = self.runs[index].samples().len();
-        let (each, taken) = timing::standing_for(samples, self.state.taking);
-        let taken = taken.filter(|k| self.state.apart[index][*k].is_none());
+        self.push_samples(index, detail, |_| true, rows);
+        self.push_times(index, rows);
+    }
+
+    /// Those of its samples, of some legs.
+    pub(super) fn push_samples(
+        &self,
+        index: usize,
+        detail: timing::Detail,
+        of_leg: impl Fn(usize) -> bool,
+        rows: &mut Tsqr,
+    ) {
+        let samples = self.runs[index].samples();
+        let (each, taken) = timing::standing_for(samples.len(), self.state.taking);
+        let taken =
+            taken.filter(|k| of_leg(samples[*k].leg) && self.state.apart[index][*k].is_none());
         self.each_row(index, &taken.collect::<Vec<_>>(), detail, |k, row, residual_mm| {
             let weight = each as f64 * self.weight(index, k);
             rows.push_weighted(row, residual_mm, weight.sqrt() / self.state.counts_mm());
         });
+    }
+
+    /// Those about its times alone.
+    pub(super) fn push_times(&self, index: usize, rows: &mut Tsqr) {
         let mut row = vec![0.0; rows.columns()];
         self.each_time_row(&mut row, index, |row, value, sigma| {
             rows.push_weighted(row, value, 1.0 / sigma);
