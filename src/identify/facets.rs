@@ -16,6 +16,8 @@ const CATCH_S: f64 = 0.02;
 const FARTHEST_S: f64 = 2.0;
 /// Steps of the search in a catch.
 const STEPS_A_CATCH: f64 = 8.0;
+/// And where no other place is looked at, but how much of its facets is left: a sixteenth of a chord.
+const STEPS_WITHIN: f64 = 4.0;
 /// And most steps either way.
 const MOST_STEPS: f64 = 800.0;
 /// Neighbouring readings are not independent: their misfits count half.
@@ -57,9 +59,9 @@ pub(super) enum Look {
 /// pace lets times differ by more along the leg, the slope at a reading is not that of its chord: the path counts by
 /// its mean, and `p` by its mean and its variance, what `sigma` knows left out. Whether any leg counts otherwise than before.
 pub(super) fn find(model: &Model, values: &[f64], run: &mut RunInput, look: Look) -> bool {
-    let legs = run.alignment.legs().into_iter();
-    let looked: Vec<Looked> =
-        legs.filter_map(|leg| Looked::of_leg(model, values, run, leg, look)).collect();
+    let reversals_s = run.alignment.trajectory.reversals_s();
+    let of_leg = |leg: usize| Looked::of_leg(model, values, (run, &reversals_s), leg, look);
+    let looked: Vec<Looked> = run.alignment.legs().into_iter().filter_map(of_leg).collect();
     let rounded_out = are_rounded_out(&looked);
     let map = &mut run.alignment.time_map;
     looked.iter().fold(false, |changed, looked| looked.lay(map, rounded_out) | changed)
@@ -105,13 +107,14 @@ impl Looked {
     fn of_leg(
         model: &Model,
         values: &[f64],
-        run: &RunInput,
+        (run, reversals_s): (&RunInput, &[f64]),
         leg: usize,
         look: Look,
     ) -> Option<Self> {
         let map = &run.alignment.time_map;
         let (catch_s, chords) = (catch_s(map, leg), &map.chords[leg]);
-        let held = LegReadings::of_leg(model, values, run, leg, stride(run.samples().len()));
+        let stride = stride(run.samples().len());
+        let held = LegReadings::of_leg(model, values, (run, reversals_s), leg, stride);
         let along_s = 0.5 * held.lasts_s() * map.rate_sigma.hypot(map.pace_sigma);
         let counts = look == Look::Again && chords.blur_s <= 0.0;
         let known = counts || map.offset_sigmas_s[leg] < KNOWN * catch_s;
@@ -130,7 +133,8 @@ impl Looked {
         } else {
             (4.0 * untold_s[1]).clamp(5.0 * catch_s, FARTHEST_S)
         };
-        let step_s = (catch_s / STEPS_A_CATCH).max(reach_s / MOST_STEPS);
+        let a_catch = if known { STEPS_WITHIN } else { STEPS_A_CATCH };
+        let step_s = (catch_s / a_catch).max(reach_s / MOST_STEPS);
         let reach = (reach_s / step_s).ceil() as i32;
         let shifts = (-reach..=reach).into_par_iter().map(|k| f64::from(k) * step_s);
         let misfits: Vec<(f64, Misfit)> =

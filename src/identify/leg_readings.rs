@@ -66,14 +66,15 @@ pub(super) struct LegReadings<'a> {
     run: &'a RunInput,
     /// Sample, and its reading minus the slow part of the prediction, mm.
     pub(super) readings: Vec<(&'a Sample, f64)>,
-    reversals_s: Vec<f64>,
+    /// Of the program.
+    reversals_s: &'a [f64],
 }
 
 impl<'a> LegReadings<'a> {
     pub(super) fn of_leg(
         model: &'a Model<'a>,
         values: &'a [f64],
-        run: &'a RunInput,
+        (run, reversals_s): (&'a RunInput, &'a [f64]),
         leg: usize,
         stride: usize,
     ) -> Self {
@@ -87,7 +88,6 @@ impl<'a> LegReadings<'a> {
                 (sample, view.residual_mm)
             })
             .collect();
-        let reversals_s = run.alignment.trajectory.reversals_s();
         Self { model, values, run, readings, reversals_s }
     }
 
