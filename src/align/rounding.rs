@@ -32,13 +32,24 @@ impl Alignment {
         velocity_mm_s: &Vector3<f64>,
     ) -> f64 {
         let [path_mm, _] = following.at(&self.trajectory, program_s, near);
-        let [mean_mm, _] = self.over_chord(following, leg, program_s, near);
-        let rounding_mm = self.along(&path_mm).dot(&(mean_mm - path_mm));
-        if self.averaged > 1 {
-            rounding_mm - self.bow_of_chords_mm(following, program_s, near, velocity_mm_s)
+        let bow_mm = if self.averaged > 1 {
+            self.bow_of_chords_mm(following, (program_s, near), &path_mm, velocity_mm_s)
         } else {
-            rounding_mm
-        }
+            0.0
+        };
+        self.rounded_from_mm(following, (leg, program_s, near), &path_mm, bow_mm)
+    }
+
+    /// The same from where slides are there, and from the [bow](Self::bow_of_chords_mm) of a mean of readings, mm.
+    pub(super) fn rounded_from_mm(
+        &self,
+        following: &Following,
+        (leg, program_s, near): (usize, f64, usize),
+        path_mm: &Vector3<f64>,
+        bow_mm: f64,
+    ) -> f64 {
+        let [mean_mm, _] = self.over_chord(following, leg, program_s, near);
+        self.along(path_mm).dot(&(mean_mm - path_mm)) - bow_mm
     }
 
     /// The mean of where slides are that [follow](Following::mean) over the chord of a leg about a program time, as a control has it that rounds
@@ -61,22 +72,31 @@ impl Alignment {
     }
 
     /// By how much the mean of the commanded length over a window is longer than the length in its middle on an arc of chords, whose
-    /// vertices no curve of third degree follows, mm: by where the slides are in their mean, and by what the bar is longer for their
-    /// way across it.
+    /// vertices no curve of third degree follows, mm: by where the slides are in their mean and not there, and by what the bar is longer
+    /// for their way across it.
     pub(super) fn bow_of_chords_mm(
         &self,
         following: &Following,
-        program_s: f64,
-        near: usize,
+        (program_s, near): (f64, usize),
+        middle_mm: &Vector3<f64>,
         velocity_mm_s: &Vector3<f64>,
     ) -> f64 {
-        let [middle_mm, _] = following.at(&self.trajectory, program_s, near);
         let times = self.times(program_s);
         let [mean_mm, _] = following.mean(&self.trajectory, &times, near);
-        let along = self.along(&middle_mm);
-        let across_mm_s = velocity_mm_s - along * velocity_mm_s.dot(&along);
-        let across_mm2 = across_mm_s.norm_squared() * times.variance_s2();
-        along.dot(&(mean_mm - middle_mm)) + across_mm2 / (2.0 * self.radius_mm)
+        let along = self.along(middle_mm);
+        along.dot(&(mean_mm - middle_mm)) + self.across_mm(&along, velocity_mm_s, program_s)
+    }
+
+    /// By how much the bar is longer in its mean over a window than along it, for the way across it, mm.
+    pub fn across_mm(
+        &self,
+        along: &Vector3<f64>,
+        velocity_mm_s: &Vector3<f64>,
+        program_s: f64,
+    ) -> f64 {
+        let across_mm_s = velocity_mm_s - along * velocity_mm_s.dot(along);
+        let across_mm2 = across_mm_s.norm_squared() * self.times(program_s).variance_s2();
+        across_mm2 / (2.0 * self.radius_mm)
     }
 }
 

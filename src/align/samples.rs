@@ -190,20 +190,16 @@ impl Alignment {
             let blur_s =
                 if matches!(part, Part::Arc(_)) { time_map.chords[moment.leg].blur_s } else { 0.0 };
             let of_chords = self.chord_sag_mm > 0.0 && matches!(part, Part::Arc(_));
+            let at = (moment.program_s, state.block);
+            let [followed_mm, _] = following.at(trajectory, at.0, at.1);
             let bow_mm = if !means || !moves || blur_s > 0.0 {
                 0.0
             } else if of_chords {
-                self.bow_of_chords_mm(
-                    following,
-                    moment.program_s,
-                    state.block,
-                    &state.velocity_mm_s,
-                )
+                self.bow_of_chords_mm(following, at, &followed_mm, &state.velocity_mm_s)
             } else {
                 self.bow_mm(following, moment.program_s, state.block)
             };
             if !moment.in_stop {
-                let [followed_mm, _] = following.at(trajectory, moment.program_s, state.block);
                 // Delays are those of the time map, all of them.
                 let path_mm = followed_mm + time_map.unlike_s().component_mul(&state.velocity_mm_s);
                 let onto_mm = if blur_s > 0.0 {
@@ -211,7 +207,7 @@ impl Alignment {
                     self.onto_mean_mm(&path_mm, &moment, blur_s, following, speed_mm_s)
                 } else if of_chords && time_map.rounded.abs() > 0.0 {
                     let now = (moment.leg, moment.program_s, state.block);
-                    let rounding_mm = self.rounding_mm(following, now, &state.velocity_mm_s);
+                    let rounding_mm = self.rounded_from_mm(following, now, &followed_mm, bow_mm);
                     self.along(&followed_mm) * (time_map.rounded * rounding_mm)
                 } else {
                     Vector3::zeros()

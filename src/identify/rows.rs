@@ -191,20 +191,22 @@ impl Fit<'_> {
             own[column] = 1.0;
         }
         if let Some(column) = self.columns.rounded(index) {
-            own[column] = self.rounding_mm(run, sample);
+            own[column] = self.rounding_mm(run, sample, view);
         }
     }
 
     /// By how much longer the bar were at a sample if corners of chords were wholly rounded out, mm. Until the fit is near chords are
     /// driven: what is rounded out of them tells no time, and times are what it still looks for.
-    fn rounding_mm(&self, run: &RunInput, sample: &Sample) -> f64 {
+    fn rounding_mm(&self, run: &RunInput, sample: &Sample, view: &View) -> f64 {
         let alignment = &run.alignment;
         let counts = alignment.time_map.chords[sample.leg].blur_s <= 0.0;
         if !self.state.bent || !counts || !matches!(sample.part, Part::Arc(_)) {
             return 0.0;
         }
-        let now = (sample.leg, sample.program_s, sample.block);
-        alignment.rounding_mm(&run.following[0], now, &sample.motion.velocity_mm_s)
+        view.rounding_mm.unwrap_or_else(|| {
+            let now = (sample.leg, sample.program_s, sample.block);
+            alignment.rounding_mm(&run.following[0], now, &sample.motion.velocity_mm_s)
+        })
     }
 
     /// What is plausible, as rows: each parameter `0 ± its deviation`, seen from where the fit stands.

@@ -71,6 +71,8 @@ pub(super) struct View {
     /// Change of the predicted deviation with the share by which the time constant of each slide is longer, its delay not counted,
     /// mm.
     pub(super) longer_mm: Vector3<f64>,
+    /// By how much longer the bar were if corners of chords were wholly rounded out, mm; `None` where a share of none of them is.
+    pub(super) rounding_mm: Option<f64>,
     /// What bends the chain there.
     pub(super) errors: ChainErrors,
 }
@@ -185,17 +187,17 @@ pub(super) fn view(
     let followed = |following: &Following| followed(run, sample, following, &along, rounded);
     let delayed_mm_s = -along.component_mul(velocity_mm_s);
     let apart_s = if run.following[0].at_once() { 0.0 } else { map.following_s };
-    let (following_mm_s, longer_mm) = if facets_count {
+    let (following_mm_s, longer_mm, rounding_mm) = if facets_count {
         let [here, longer] = run.following.each_ref().map(followed);
         // What slides are late by is told by their delays.
         let grows_mm_s = (longer.0 - here.0) / run.following_step_s - delayed_mm_s.dot(&map.longer);
-        (grows_mm_s, apart_s * (here.1 - delayed_mm_s))
+        (grows_mm_s, apart_s * (here.1 - delayed_mm_s), here.2)
     } else if detail == Detail::Full {
         let [here, longer] = run.following.each_ref().map(inside_mm);
-        ((here.0 - longer.0) / run.following_step_s, -apart_s * here.1)
+        ((here.0 - longer.0) / run.following_step_s, -apart_s * here.1, None)
     } else {
         // While times are known to a second only, a radius tells no lag.
-        (0.0, Vector3::zeros())
+        (0.0, Vector3::zeros(), None)
     };
     // Where its mean counts, the sample is laid on it already.
     let commanded_mm = match detail {
@@ -207,20 +209,21 @@ pub(super) fn view(
         following_mm_s,
         delayed_mm_s,
         longer_mm,
+        rounding_mm,
         speed_mm_s: grows_mm / (2.0 * step_s),
         errors,
     }
 }
 
-/// Where slides that follow are along the bar at a sample, mm, and by how much more of its time constant moves each, mm/s, where this
-/// share of the corners of chords is rounded out.
+/// Where slides that follow are along the bar at a sample, mm, by how much more of its time constant moves each, mm/s, where this share of
+/// the corners of chords is rounded out, and by how much longer the bar were with all of it, mm.
 fn followed(
     run: &RunInput,
     sample: &Sample,
     following: &Following,
     along: &Vector3<f64>,
     rounded: f64,
-) -> (f64, Vector3<f64>) {
+) -> (f64, Vector3<f64>, Option<f64>) {
     let alignment = &run.alignment;
     let driven = if alignment.averaged > 1 {
         let times = alignment.times(sample.program_s);
@@ -228,11 +231,16 @@ fn followed(
     } else {
         following.at(&alignment.trajectory, sample.program_s, sample.block)
     };
-    let [position_mm, slope_mm_s] = if rounded.abs() > 0.0 {
-        let whole = alignment.over_chord(following, sample.leg, sample.program_s, sample.block);
-        [0, 1].map(|k| driven[k].lerp(&whole[k], rounded))
+    if rounded.abs() <= 0.0 {
+        return (along.dot(&driven[0]), along.component_mul(&driven[1]), None);
+    }
+    let whole = alignment.over_chord(following, sample.leg, sample.program_s, sample.block);
+    let [position_mm, slope_mm_s] = [0, 1].map(|k| driven[k].lerp(&whole[k], rounded));
+    let across_mm = if alignment.averaged > 1 {
+        alignment.across_mm(along, &sample.motion.velocity_mm_s, sample.program_s)
     } else {
-        driven
+        0.0
     };
-    (along.dot(&position_mm), along.component_mul(&slope_mm_s))
+    let rounding_mm = along.dot(&(whole[0] - driven[0])) - across_mm;
+    (along.dot(&position_mm), along.component_mul(&slope_mm_s), Some(rounding_mm))
 }
