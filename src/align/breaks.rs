@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::motion::{BlockKind, Trajectory};
+use crate::nc::Path;
 
 /// Where one leg ends and the next begins.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,16 +24,22 @@ pub(super) fn middles_s(breaks: &[Break], trajectory: &Trajectory) -> Vec<f64> {
     ends_s.map(middle_s).collect()
 }
 
-/// How long a block of feed of each leg takes, s, the median of them: a chord, where an arc is driven in chords; 0 of a leg
-/// without one.
+/// How long a straight block of feed of each leg takes, s, the median of them: a chord, where an arc is driven in chords; 0 of a leg
+/// without one, and of a leg that is driven in arcs for the most part.
 pub(super) fn chords_s(breaks: &[Break], trajectory: &Trajectory) -> Vec<f64> {
-    let mut of_leg = vec![Vec::new(); breaks.len() + 1];
+    let mut of_leg = vec![(Vec::new(), 0.0); breaks.len() + 1];
     for block in trajectory.blocks().iter().filter(|block| block.kind == BlockKind::Feed) {
-        of_leg[breaks.partition_point(|at| at.program_s <= block.start_s)].push(block.duration_s);
+        let leg = breaks.partition_point(|at| at.program_s <= block.start_s);
+        let (lines_s, arcs_s) = &mut of_leg[leg];
+        match block.motion().map(|motion| &motion.path) {
+            Some(Path::Arc { .. }) => *arcs_s += block.duration_s,
+            _ => lines_s.push(block.duration_s),
+        }
     }
-    let median_s = |mut all_s: Vec<f64>| {
-        all_s.sort_by(f64::total_cmp);
-        all_s.get(all_s.len() / 2).copied().unwrap_or(0.0)
+    let median_s = |(mut lines_s, arcs_s): (Vec<f64>, f64)| {
+        lines_s.sort_by(f64::total_cmp);
+        let middle_s = lines_s.get(lines_s.len() / 2).copied();
+        middle_s.filter(|_| lines_s.iter().sum::<f64>() > arcs_s).unwrap_or(0.0)
     };
     of_leg.into_iter().map(median_s).collect()
 }

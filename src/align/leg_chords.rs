@@ -25,6 +25,11 @@ impl LegChords {
         Self { lasts_s, ..Self::default() }
     }
 
+    /// Whether its arcs are made of chords.
+    pub fn there_are(&self) -> bool {
+        self.lasts_s > 0.0
+    }
+
     /// Each chord counts from now on where it is.
     pub fn see(&mut self) {
         (self.blur_s, self.told_s) = (0.0, None);
@@ -33,7 +38,7 @@ impl LegChords {
     /// No chord is told of an offset with this standard deviation, s, but what all of them tell of it: the path counts in its mean over
     /// a whole number of chords, and as long as the times of readings are uncertain.
     pub fn blur(&mut self, sigma_s: f64, told_s: Option<[f64; 2]>) {
-        if self.lasts_s > 0.0 {
+        if self.there_are() {
             let chords = (PLAUSIBLE * sigma_s / self.lasts_s).clamp(1.0, MOST_CHORDS).ceil();
             self.blur_s = self.lasts_s * chords;
         }

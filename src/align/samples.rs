@@ -205,7 +205,10 @@ impl Alignment {
                 let onto_mm = if blur_s > 0.0 {
                     let speed_mm_s = state.velocity_mm_s.norm();
                     self.onto_mean_mm(&path_mm, &moment, blur_s, following, speed_mm_s)
-                } else if of_chords && time_map.rounded.abs() > 0.0 {
+                } else if of_chords
+                    && time_map.chords[moment.leg].there_are()
+                    && time_map.rounded.abs() > 0.0
+                {
                     let now = (moment.leg, moment.program_s, state.block);
                     let rounding_mm = self.rounded_from_mm(following, now, &followed_mm, bow_mm);
                     self.along(&followed_mm) * (time_map.rounded * rounding_mm)

@@ -407,3 +407,22 @@ fn the_mean_of_chords_is_a_circle() {
         }
     }
 }
+
+/// A program has arcs in the planes and chords on the way between them: an arc that is driven as one is no chord of seconds, which a
+/// control would round out and a slide step across.
+#[test]
+fn an_arc_is_no_chord() {
+    let bench = Bench::new("strategy = \"iso230-4\"\nchord_sag_um = 0.6\n");
+    let run = bench.simulated(&Scenario::default());
+    let mut alignment = bench.aligned(&log_of(&run.csv())).unwrap();
+    alignment.look_up_means();
+    let (mut of_arcs, mut of_chords) = (0, 0);
+    for arc in &alignment.sections {
+        let leg = alignment.time_map.leg_of(arc.start_s);
+        let chords = alignment.time_map.chords[leg];
+        assert_eq!(chords.there_are(), arc.transit, "{}: {} s", arc.name, chords.lasts_s);
+        assert!(!alignment.steps(leg), "{}", arc.name);
+        *(if arc.transit { &mut of_chords } else { &mut of_arcs }) += 1;
+    }
+    assert!(of_arcs >= 6 && of_chords >= 2, "{of_arcs} {of_chords}");
+}

@@ -118,7 +118,7 @@ impl Looked {
         let along_s = 0.5 * held.lasts_s() * map.rate_sigma.hypot(map.pace_sigma);
         let counts = look == Look::Again && chords.blur_s <= 0.0;
         let known = counts || map.offset_sigmas_s[leg] < KNOWN * catch_s;
-        let visible = chords.lasts_s > 0.0 && (known || along_s < catch_s);
+        let visible = chords.there_are() && (known || along_s < catch_s);
         let steps = run.alignment.steps(leg);
         // Within the catch the fit finds a leg by itself, and its offset is no better than that beside what is not fitted yet.
         let untold_s = if known {

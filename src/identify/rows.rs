@@ -199,7 +199,8 @@ impl Fit<'_> {
     /// driven: what is rounded out of them tells no time, and times are what it still looks for.
     fn rounding_mm(&self, run: &RunInput, sample: &Sample, view: &View) -> f64 {
         let alignment = &run.alignment;
-        let counts = alignment.time_map.chords[sample.leg].blur_s <= 0.0;
+        let chords = &alignment.time_map.chords[sample.leg];
+        let counts = chords.there_are() && chords.blur_s <= 0.0;
         if !self.state.bent || !counts || !matches!(sample.part, Part::Arc(_)) {
             return 0.0;
         }

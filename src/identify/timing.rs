@@ -174,7 +174,8 @@ pub(super) fn view(
     let commanded_grows_mm =
         commanded_mm(after_s, &after.position_mm) - commanded_mm(before_s, &before.position_mm);
     // A mean over a chord grows from one end of it to the other.
-    let rounded = if facets_count { map.rounded } else { 0.0 };
+    let of_chords = facets_count && map.chords[sample.leg].there_are();
+    let rounded = if of_chords { map.rounded } else { 0.0 };
     let rounded_grows_mm = if rounded.abs() > 0.0 {
         let chord_s = map.chords[sample.leg].lasts_s;
         let [from, to] = [-0.5, 0.5].map(|share| beside(sample.program_s + share * chord_s));
