@@ -16,6 +16,7 @@ use super::measured::{MeasuredRepeat, MeasuredRun};
 use super::place;
 use super::result::Identification;
 use super::slip::identify_beside_slips;
+use super::turning::spikes;
 use crate::error::{Error, Result};
 use crate::log::Log;
 use crate::machine::{Machine, Mounting};
@@ -313,13 +314,14 @@ impl Campaign {
     }
 
     /// What speaks against the fits, none of it twice.
-    pub fn cautions(&self) -> Vec<&str> {
-        let mut told: Vec<&str> = Vec::new();
+    pub fn cautions(&self) -> Vec<String> {
+        let mut told: Vec<String> = Vec::new();
         for caution in self.repeats.iter().flat_map(|repeat| &repeat.cautions) {
-            if !told.contains(&caution.as_str()) {
-                told.push(caution);
+            if !told.contains(caution) {
+                told.push(caution.clone());
             }
         }
+        told.extend(spikes(self.repeats.iter().flat_map(|repeat| &repeat.runs)));
         told
     }
 

@@ -52,6 +52,7 @@ mod settle;
 mod slip;
 mod state;
 mod timing;
+mod turning;
 mod uncertainty;
 mod words;
 

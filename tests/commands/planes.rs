@@ -310,3 +310,22 @@ fn a_ball_that_is_knocked_in_one_plane_is_no_bar_that_slipped() {
         assert!(told.contains("Knock: a ball moved once, EYt"), "{told}");
     }
 }
+
+/// A circle in arcs tells times by its reversals alone: a spike that is over before readings take part again is in no number, and what
+/// the bar reads there is told all the same.
+#[test]
+fn a_spike_within_what_is_kept_from_reversals_is_told() {
+    let plan = "[plan]\nstrategy = \"xy\"\nfeed_mm_min = 500.0\n";
+    let work = bench("vertical.toml", "[20.0, -35.0, -300.0]", plan);
+    let noise = "[noise]\nwhite_um = 0.3\ncorrelated_um = 0.2\n";
+    work.write("fast.toml", format!("sample_rate_hz = 250.0\n{noise}"));
+    let simulate = ["simulate", "test.toml", "--scenario", "fast.toml", "--seed", "2"];
+    let spike = ["--hide", "reversal-spike:on=Y,amplitude_um=-11,decay_ms=20"];
+    let sentence = "where Y turns round the bar reads";
+    for (hidden, told) in [(&spike[..], true), (&[], false)] {
+        work.ballbar(&[&simulate[..], hidden].concat()).done();
+        let text = work.ballbar(&["analyse", "results/test.toml"]).done().stdout();
+        assert_eq!(text.contains(sentence), told, "{text}");
+        assert!(!text.contains("where X turns round"), "{text}");
+    }
+}

@@ -76,9 +76,10 @@ impl Analysis {
             cautions: Vec::new(),
         };
         // What speaks against the fit itself comes before what speaks for caution in reading it.
-        let of_fits = campaign.cautions().into_iter().map(str::to_owned);
+        let of_fits = campaign.cautions();
         let implausible = identifications.first().and_then(place::implausible);
-        analysis.cautions = of_fits.chain(implausible).chain(cautions::of(&analysis)).collect();
+        analysis.cautions =
+            of_fits.into_iter().chain(implausible).chain(cautions::of(&analysis)).collect();
         analysis
     }
 }
