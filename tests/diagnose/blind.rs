@@ -86,17 +86,6 @@ fn a_trial_of_the_grid_finds_nothing_in_an_empty_campaign_and_says_what_it_was()
     assert_eq!(names, ["machine.toml", "program1.nc", "run1-1.csv", "truth.toml", "test.toml"]);
 }
 
-/// One run of one plane, whose residual is slow: two effects, which were more than all that could count.
-#[test]
-fn in_one_run_of_one_plane_two_effects_are_named() {
-    let grid = Grid { seed: 2, size_mm: None };
-    let outcome = grid.trial(Request { class: Class::Two, index: 8 }, false);
-    for (factor, value) in [("test", "XY plane"), ("runs", "1")] {
-        assert!(outcome.strata.contains(&(factor, value.to_owned())), "{:?}", outcome.strata);
-    }
-    assert_eq!(outcome.judgement.verdict.name(), "right", "{outcome:?}");
-}
-
 /// Every run of a campaign of the grid takes part.
 #[track_caller]
 fn takes_all_runs(seed: u64, class: Class, index: u64) {

@@ -3,8 +3,8 @@
 
 use std::path::Path;
 
-use ballbar::diagnose::Diagnosis;
-use ballbar::identify::Campaign;
+use ballbar::diagnose::{Diagnosis, Finding, diagnose};
+use ballbar::identify::{Campaign, Failure};
 use ballbar::plan::Test;
 use ballbar::report::{Analysis, PlaceResult};
 
@@ -143,6 +143,27 @@ fn backlash_grows_from_the_middle_of_the_test_however_far_the_zero_is() {
         let off = (place.value - truth) / place.all.unwrap();
         assert!(off.abs() < 3.0, "{truth}: {place:?}");
     }
+}
+
+/// One run of one plane, whose residual is slow: two effects, which were more than all that could count.
+#[test]
+fn in_one_run_of_one_plane_two_effects_are_named() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/one_plane");
+    let test = Test::read(&folder.join("test.toml")).unwrap();
+    let machine = test.machine().unwrap();
+    let campaign = Campaign::of(&test, &machine, Failure::Refuse, &|| ()).unwrap();
+    let diagnosis = diagnose(&test, &machine, &campaign).unwrap();
+    let findings = &diagnosis.findings;
+    assert_eq!(findings.len(), 2, "{findings:?}");
+    let named = |finding: &Finding, cause: &str, seat: &str| {
+        finding.effects.iter().any(|of| of.cause.id == cause && of.seat.to_string() == seat)
+    };
+    // Nobody knows of one run whether it happens in every one; and in one plane the height of the ball is one.
+    let [bent, moved] = [&findings[0], &findings[1]];
+    assert!(named(bent, "degree", "EBY") || named(bent, "degree", "EXY"), "{findings:?}");
+    assert!(named(moved, "knock", "EXt") || named(moved, "repeated-step", "EXt"), "{findings:?}");
+    near(moved, "step_um", -31.224);
+    assert!(diagnosis.verdict.after_mm < 0.1 * diagnosis.verdict.before_mm);
 }
 
 /// Little is left that changes along the arcs, so hardly anything tells when a reading was taken: such a fit comes to rest, too.
