@@ -94,7 +94,7 @@ impl Campaign {
 
     #[getter]
     fn cautions(&self) -> Vec<String> {
-        self.of.campaign().cautions().into_iter().map(str::to_owned).collect()
+        self.of.campaign().cautions()
     }
 
     /// How long the library took, s; NaN of a campaign that came of a diagnosis.
