@@ -15,8 +15,24 @@ const TOGETHER: usize = 3;
 /// as it should.
 const LEAST_MM: f64 = 0.01;
 
-/// The limits that the readings of a log were cut off at, mm, at most one either way.
-fn limits_mm(log: &Log) -> Vec<f64> {
+/// Where the readings of a log end, one way, in more readings than a machine that goes round leaves there.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limit {
+    /// The outermost value, mm.
+    pub(super) at_mm: f64,
+    /// The next one that was read, mm.
+    pub(super) next_mm: f64,
+}
+
+impl Limit {
+    /// Whether so many readings at the limit are too many beside those at the next value.
+    pub(super) fn is_piled(at: usize, next: usize) -> bool {
+        at > PILED * next
+    }
+}
+
+/// The limits that the readings of a log seem to be cut off at, at most one either way.
+pub(super) fn limits(log: &Log) -> Vec<Limit> {
     let mut values: Vec<f64> =
         log.readings().iter().filter_map(|reading| reading.deviation_mm).collect();
     values.sort_by(f64::total_cmp);
@@ -25,10 +41,11 @@ fn limits_mm(log: &Log) -> Vec<f64> {
     let ends = [(steps.next(), steps.next()), (steps.next_back(), steps.next_back())];
     let limit = |(outermost, next): (Option<&[f64]>, Option<&[f64]>)| {
         let (outermost, next) = (outermost?, next?);
-        let piled = outermost[0].abs() >= LEAST_MM
+        let limit = Limit { at_mm: outermost[0], next_mm: next[0] };
+        let piled = limit.at_mm.abs() >= LEAST_MM
             && outermost.len() >= FEWEST
-            && outermost.len() > PILED * next.len();
-        (piled && longest(log, outermost[0]) >= TOGETHER).then_some(outermost[0])
+            && Limit::is_piled(outermost.len(), next.len());
+        (piled && longest(log, limit.at_mm) >= TOGETHER).then_some(limit)
     };
     ends.into_iter().filter_map(limit).collect()
 }
@@ -43,10 +60,18 @@ fn longest(log: &Log, value_mm: f64) -> usize {
         .unwrap_or(0)
 }
 
-/// The log with what was cut off as out of range, and the readings that were; `None` where nothing was.
+/// The log with what was cut off as out of range, and the readings that were.
+pub(super) fn without(log: &Log, limits: &[Limit]) -> (Log, Vec<Reading>) {
+    let is_at = |limit: &Limit, mm: f64| limit.at_mm.total_cmp(&mm).is_eq();
+    let cut = |reading: &Reading| {
+        reading.deviation_mm.is_some_and(|mm| limits.iter().any(|limit| is_at(limit, mm)))
+    };
+    let clipped = log.readings().iter().filter(|reading| cut(reading)).copied().collect();
+    (log.without(|reading| cut(reading)), clipped)
+}
+
+/// The same of all limits of a log; `None` where it has none.
 pub fn taken_out(log: &Log) -> Option<(Log, Vec<Reading>)> {
-    let limits_mm = limits_mm(log);
-    let cut = |reading: &Reading| reading.deviation_mm.is_some_and(|mm| limits_mm.contains(&mm));
-    let clipped: Vec<Reading> = log.readings().iter().filter(|r| cut(r)).copied().collect();
-    (!clipped.is_empty()).then(|| (log.without(|reading| cut(reading)), clipped))
+    let limits = limits(log);
+    (!limits.is_empty()).then(|| without(log, &limits))
 }

@@ -2,12 +2,13 @@
 
 use std::ops::Range;
 
+use super::clipped::{self, Limit};
 use super::draft::Draft;
+use super::engagement;
 use super::ramp::{Mark, MarkKind, UNEQUAL_DELAY_S};
 use super::run::Run;
 use super::samples::{Alignment, Part};
 use super::time_map::{EXCESS_S, TimeMap};
-use super::{clipped, engagement};
 use crate::error::{Error, Kind, Place, Result};
 use crate::log::Log;
 
@@ -27,27 +28,55 @@ const FARTHEST_LOSS_S: f64 = 30.0;
 /// # Errors
 /// When the log does not belong to the program, with the reason.
 pub fn align(run: &Run) -> Result<Alignment> {
-    let Some((log, clipped)) = clipped::taken_out(run.log) else { return aligned(run) };
-    let cut_mm = clipped.first().and_then(|reading| reading.deviation_mm).unwrap_or(0.0);
-    let alignment = match aligned(&Run { log: &log, ..*run }) {
-        Ok(alignment) => Alignment { clipped, ..alignment },
-        // A bar that reads its limit while it is out of range is not to blame.
-        Err(error) if cut_mm.abs() > 0.5 * run.rig.bar.range_mm => return Err(error),
-        Err(error) => {
-            let hint = Some(format!(
-                "{} readings are exactly {:.1} um, and none lies beyond: they were cut off there; find the limit of the bar, its amplifier or the program that wrote the log, and repeat the run",
-                clipped.len(),
-                1e3 * cut_mm
-            ));
-            return Err(Error { hint, ..error });
+    let limits = clipped::limits(run.log);
+    if limits.is_empty() {
+        return aligned(run);
+    }
+    let mut with_all_taken_out = None;
+    // Of a limit at which the machine stood nothing is taken out: that left a hole in the log.
+    for taken_out in (0..1_usize << limits.len()).rev() {
+        let is_taken_out = |k: usize| taken_out >> k & 1 == 1;
+        let some = limits.iter().enumerate().filter(|(k, _)| is_taken_out(*k));
+        let some: Vec<Limit> = some.map(|(_, limit)| *limit).collect();
+        let (log, clipped) = clipped::without(run.log, &some);
+        let laid = aligned(&Run { log: &log, ..*run }).map(|laid| Alignment { clipped, ..laid });
+        let as_it_stood = |laid: &Alignment| {
+            let stood = limits.iter().map(|limit| stood_at(laid, run.log, limit));
+            stood.enumerate().all(|(k, stood)| stood != is_taken_out(k))
+        };
+        if laid.as_ref().is_ok_and(as_it_stood) {
+            return laid;
         }
-    };
-    // A quiet instrument may stand at its highest reading throughout a dwell: that is no limit.
+        with_all_taken_out.get_or_insert(laid);
+    }
+    let laid = with_all_taken_out.unwrap_or_else(|| aligned(run));
+    laid.map_err(|error| said_to_be_cut_off(error, run, &limits))
+}
+
+/// Whether the machine stood where readings are at a limit, as a quiet instrument reads one value throughout a dwell, and where
+/// it moved they are not too many.
+fn stood_at(laid: &Alignment, log: &Log, limit: &Limit) -> bool {
     let stands = |part: &Part| matches!(part, Part::Dwell | Part::Stop);
-    let mut parts = alignment.clipped_parts().peekable();
-    let quiet = parts.peek().is_some() && parts.all(|part| stands(&part));
-    drop(parts);
-    if quiet { aligned(run) } else { Ok(alignment) }
+    let (stood, moved): (Vec<Part>, Vec<Part>) =
+        laid.parts_at(log, limit.at_mm).into_iter().partition(stands);
+    let next = laid.parts_at(log, limit.next_mm).into_iter().filter(|part| !stands(part));
+    !stood.is_empty() && !Limit::is_piled(moved.len(), next.count())
+}
+
+/// That readings are at a limit, where they cannot be laid over their program.
+fn said_to_be_cut_off(error: Error, run: &Run, limits: &[Limit]) -> Error {
+    let at = |limit: &Limit| {
+        let at_mm = run.log.readings().iter().filter_map(|reading| reading.deviation_mm);
+        (limit.at_mm, at_mm.filter(|mm| mm.total_cmp(&limit.at_mm).is_eq()).count())
+    };
+    // A bar that reads its limit while it is out of range is not to blame.
+    let within = limits.iter().find(|limit| limit.at_mm.abs() <= 0.5 * run.rig.bar.range_mm);
+    let Some((cut_mm, count)) = within.map(at) else { return error };
+    let hint = format!(
+        "{count} readings are exactly {:.1} um, and none lies beyond: they were cut off there; find the limit of the bar, its amplifier or the program that wrote the log, and repeat the run",
+        1e3 * cut_mm
+    );
+    Error { hint: Some(hint), ..error }
 }
 
 fn aligned(run: &Run) -> Result<Alignment> {

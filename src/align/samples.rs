@@ -12,7 +12,7 @@ use super::mean_path::MeanPath;
 use super::ramp::Mark;
 use super::section::Section;
 use super::time_map::{Moment, TimeMap};
-use crate::log::Reading;
+use crate::log::{Log, Reading};
 use crate::machine::Pose;
 use crate::model::{Averaged, Motion};
 use crate::motion::{Reversals, Times, Trajectory};
@@ -125,13 +125,17 @@ impl Alignment {
         self.laid(self.engaged.readings(&self.slips), false, &self.following(0.0))
     }
 
-    /// In what parts of the program readings were cut off while the bar was engaged.
-    pub(super) fn clipped_parts(&self) -> impl Iterator<Item = Part> {
-        let engaged = |program_s: f64| {
-            self.engagements.iter().any(|e| (e.start_s..=e.end_s).contains(&program_s))
+    /// In what parts of the program readings of a log are exactly this, mm, while the bar was engaged.
+    pub(super) fn parts_at(&self, log: &Log, at_mm: f64) -> Vec<Part> {
+        let is_at = |reading: &&Reading| {
+            reading.deviation_mm.is_some_and(|mm| mm.total_cmp(&at_mm).is_eq())
         };
-        let laid = self.laid_clipped().into_iter();
-        laid.filter(move |sample| engaged(sample.program_s)).map(|sample| sample.part)
+        let engaged = |sample: &Sample| {
+            self.engagements.iter().any(|e| (e.start_s..=e.end_s).contains(&sample.program_s))
+        };
+        let readings = log.readings().iter().filter(is_at).copied();
+        let laid = self.laid(readings, false, &self.following(0.0)).into_iter();
+        laid.filter(engaged).map(|sample| sample.part).collect()
     }
 
     /// The values that readings on arcs were cut off at, mm, each with how many.

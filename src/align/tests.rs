@@ -8,6 +8,7 @@ use rand_distr::StandardNormal;
 use rand_pcg::Pcg64Mcg;
 
 mod chords;
+mod clipped;
 
 use super::engagement::{DURATION_TOLERANCE, expected, observed, pair};
 use super::section::sections;
