@@ -27,15 +27,16 @@ pub(super) fn as_stated(run: &MeasuredRun, test: &Test, machine: &Machine) -> bo
     aligned.is_ok_and(|run| run.alignment.time_map.override_excess.abs() < OTHER_FEED)
 }
 
-/// Pairs of runs whose logs both fit the other's program, which is another one.
+/// Pairs of runs, of those that are `possible`, whose logs both fit the other's program, which is another one.
 pub(super) fn pairs(
     runs: &[&MeasuredRun],
+    possible: &dyn Fn([usize; 2]) -> bool,
     test: &Test,
     machine: &Machine,
 ) -> Vec<([usize; 2], [MeasuredRun; 2])> {
     let of = |k: usize| (k + 1..runs.len()).map(move |l| [k, l]);
     let mut pairs = Vec::new();
-    for [k, l] in (0..runs.len()).flat_map(of) {
+    for [k, l] in (0..runs.len()).flat_map(of).filter(|pair| possible(*pair)) {
         let differ = runs[k].source != runs[l].source || runs[k].mounting != runs[l].mounting;
         let both = differ.then(|| exchanged(runs[k], runs[l]));
         let fits = |runs: &[MeasuredRun; 2]| runs.iter().all(|run| as_stated(run, test, machine));
