@@ -15,6 +15,7 @@
 
 mod breaks;
 mod by_angle;
+mod carried;
 mod clipped;
 mod data_arc;
 mod draft;
@@ -43,6 +44,7 @@ mod window;
 
 pub use breaks::Break;
 pub use by_angle::by_angle;
+pub use carried::FOLLOWING_S;
 pub use clipped::taken_out as clipped;
 pub use engaged::Slip;
 pub use engagement::{Engagement, Refusal};

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::carried::carried_s;
 use super::data_arc;
 use super::run::Rig;
 use crate::motion::{Block, BlockKind, Trajectory};
@@ -145,6 +146,8 @@ pub struct Section {
     /// By how much later than at full speed it comes off where it begins, and is early at its end, s: half of what it takes to
     /// accelerate from a standstill.
     pub lags_s: [f64; 2],
+    /// For how long after its begin the bar may read what slides that follow late had to catch up there, s.
+    pub carried_s: f64,
 }
 
 impl Section {
@@ -154,13 +157,15 @@ impl Section {
     }
 
     /// For how long from either end on it is not known where on its way the slides are, s; 0 where it does not begin or end at
-    /// rest. What the way loses in coming to its speed the time takes in, and not how it comes to it: with half of the
+    /// rest and no slide has anything to [catch up](Self::carried_s). What the way loses in coming to its speed the time takes in, and not how it comes to it: with half of the
     /// acceleration it takes twice as long, half of which is before its planned begin, and an acceleration that builds up in
     /// a time `T` adds `T/2`. Of a short arc this is a part, but never less than what twice the acceleration would be off.
     pub fn comes_to_speed_s(&self) -> [f64; 2] {
         let most_s = LARGEST_PART * self.duration_s();
         let of_lag_s = |lag_s: f64| (3.0 * lag_s + 0.5 * BUILDS_UP_S).min(most_s).max(0.5 * lag_s);
-        self.lags_s.map(|lag_s| if lag_s > 0.0 { of_lag_s(lag_s) } else { 0.0 })
+        let [begins_s, ends_s] =
+            self.lags_s.map(|lag_s| if lag_s > 0.0 { of_lag_s(lag_s) } else { 0.0 });
+        [begins_s.max(self.carried_s.min(most_s)), ends_s]
     }
 
     /// In what direction it is driven, in words.
@@ -312,6 +317,7 @@ fn section(trajectory: &Trajectory, begin: usize, end: usize, rig: &Rig) -> Opti
         data_s: data_arc::of(trajectory, blocks, swept.abs()),
         feed_mm_s: longest,
         lags_s: lags_s(trajectory, [start_s, end_s]),
+        carried_s: carried_s(trajectory, rig, start_s),
     };
     // A comment that was there before this arc, on an M00 say, is not its name; nor is that of its overshoot.
     let named = blocks.iter().find(|block| !data_arc::is_overshoot(trajectory.label(block)));

@@ -1,6 +1,6 @@
 //! What an identification is given: runs, and how to take them.
 
-use crate::align::{Alignment, Following, Sample, TimeMap};
+use crate::align::{Alignment, FOLLOWING_S, Following, Sample, TimeMap};
 use crate::plan::Test;
 use crate::solve::Loss;
 
@@ -29,8 +29,6 @@ impl Options {
     }
 }
 
-/// Within which time constant the slides plausibly follow, s.
-pub(super) const FOLLOWING_S: f64 = 0.02;
 /// Step of the difference that tells the effect of the time constant, s, at the least.
 const FOLLOWING_STEP_S: f64 = 1e-3;
 

@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 
 use super::fit::Fit;
-use super::input::{FOLLOWING_S, RunInput};
+use super::input::RunInput;
 use super::timing::{self, View};
-use crate::align::{Part, Sample};
+use crate::align::{FOLLOWING_S, Part, Sample};
 use crate::error::{Error, Kind, Result};
 use crate::solve::{Bordered, Triangle, Truncation, Tsqr};
 

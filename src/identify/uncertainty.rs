@@ -3,13 +3,13 @@
 use std::ops::Range;
 
 use super::fit::{Fit, Outcome};
-use super::input::{FOLLOWING_S, RunInput};
+use super::input::RunInput;
 use super::record::Record;
 use super::result::{Estimate, Identification, IdentifiedRun};
 use super::state::State;
 use super::timing::Detail;
 use super::{cautions, residuals, timing};
-use crate::align::Sample;
+use crate::align::{FOLLOWING_S, Sample};
 use crate::error::Result;
 use crate::solve::{
     self, Autocovariances, BackwardFilter, BorderedSolution, Matrix, NoiseModel, Triangle,
@@ -115,28 +115,52 @@ impl Fit<'_> {
         // Slides that seem to follow at once may lag all the same.
         self.state.at_once.fill(false);
         let solution = self.solve(&self.rows()?)?;
+        self.state_lags(&solution);
+        self.hold_lags();
+        // With all of them free it is the same.
+        if !self.state.at_once.contains(&true) {
+            return Ok(solution);
+        }
+        if self.state.at_once.contains(&false) {
+            // The first millisecond of those that are held does nothing, and beside slides that follow at once the lag of
+            // others is told that is not beside slides that may lag as well: by all that they plausibly do.
+            let held = std::mem::replace(&mut self.state.at_once, vec![false; self.runs.len()]);
+            let solution = self.solve(&self.rows()?)?;
+            self.state.at_once = held;
+            self.state_lags(&solution);
+            self.hold_lags();
+        }
+        self.solve(&self.rows()?)
+    }
+
+    /// States how well the lags of runs that are not held are known.
+    fn state_lags(&mut self, solution: &BorderedSolution) {
         let covariance = solution.covariance_unscaled();
         for (index, run) in self.runs.iter_mut().enumerate() {
+            if self.state.at_once[index] {
+                continue;
+            }
             let map = &mut run.alignment.time_map;
             self.columns.state_driving(index, map, &covariance.own[index]);
             map.following_sigma_s = map.following_sigma_s.hypot(map.corners_s());
         }
-        self.hold_lags();
-        // With all of them free it is the same.
-        if self.state.at_once.contains(&true) { self.solve(&self.rows()?) } else { Ok(solution) }
     }
 
-    /// Holds the lags of runs whose deviations are said to be more than the readings tell of one.
+    /// Holds the lags of runs whose deviations are said to be more than the readings tell of one. It is the lag of one machine: that
+    /// of which least is told stands for all of them, and what one run has beyond another is no less considered.
     pub(super) fn hold_lags(&mut self) {
-        for (run, at_once) in self.runs.iter_mut().zip(&mut self.state.at_once) {
+        let knows = self.state.knows();
+        let mut most_s = 0.0_f64;
+        for (run, at_once) in self.runs.iter().zip(&mut self.state.at_once) {
             let map = &run.alignment.time_map;
             let sigma_s = map.following_sigma_s;
-            let untold = sigma_s > UNTOLD * FOLLOWING_S || map.corners_s() > 0.0;
-            *at_once = untold && self.state.plausible.iter().any(Option::is_some);
+            *at_once = knows && (sigma_s > UNTOLD * FOLLOWING_S || map.corners_s() > 0.0);
             if *at_once {
-                run.consider_lag(sigma_s);
+                most_s = most_s.max(sigma_s);
             }
         }
+        let held = self.runs.iter_mut().zip(&self.state.at_once).filter(|(_, at_once)| **at_once);
+        held.for_each(|(run, _)| run.consider_lag(most_s));
         self.place();
     }
 

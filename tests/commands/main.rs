@@ -19,6 +19,7 @@ mod good;
 mod hide;
 mod instrument;
 mod killed;
+mod lag;
 mod logs;
 mod monitor;
 mod motion;
