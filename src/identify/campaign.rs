@@ -19,7 +19,7 @@ use super::slip::identify_beside_slips;
 use super::turning::spikes;
 use crate::error::{Error, Result};
 use crate::log::Log;
-use crate::machine::{Machine, Mounting};
+use crate::machine::{Axis, Machine, Mounting};
 use crate::model::{Form, HeldEffect, LOCAL, LocalFrame, Model};
 use crate::plan::{Run, Test};
 
@@ -325,8 +325,14 @@ impl Campaign {
                 told.push(caution.clone());
             }
         }
-        told.extend(spikes(self.repeats.iter().flat_map(|repeat| &repeat.runs)));
+        told.extend(self.turning_far_off().into_iter().map(|(_, caution)| caution));
         told
+    }
+
+    /// Axes where the bar reads far off as they turn round, each with its caution: a spike, perhaps, that no reading tells that
+    /// takes part.
+    pub fn turning_far_off(&self) -> Vec<(Axis, String)> {
+        spikes(self.repeats.iter().flat_map(|repeat| &repeat.runs))
     }
 
     /// Whether a coefficient of this name is estimated, by itself or in what the machine does where it was measured.

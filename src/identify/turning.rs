@@ -16,13 +16,15 @@ struct Turn {
     off_mm: f64,
     /// From its first reading to its last, s.
     lasts_s: f64,
+    /// Whether the leg is driven in chords, which tell its times.
+    in_chords: bool,
 }
 
-/// A sentence for each axis at half of whose reversals, or more, readings that take no part lie off to one side.
+/// Axes at half of whose reversals, or more, readings that take no part lie off to one side, each with a sentence.
 ///
 /// A reading in such a while may have the sense of before or of after it: what is computed to step there is no spike. The second
 /// largest of a side counts, as a single reading may be anything.
-pub(super) fn spikes<'a>(runs: impl Iterator<Item = &'a IdentifiedRun>) -> Vec<String> {
+pub(super) fn spikes<'a>(runs: impl Iterator<Item = &'a IdentifiedRun>) -> Vec<(Axis, String)> {
     let turns: Vec<Turn> = runs.flat_map(of_run).collect();
     let of_axis = |axis: Axis| {
         let of: Vec<&Turn> = turns.iter().filter(|turn| turn.axis == axis).collect();
@@ -35,15 +37,21 @@ pub(super) fn spikes<'a>(runs: impl Iterator<Item = &'a IdentifiedRun>) -> Vec<S
         off_mm.sort_by(f64::total_cmp);
         let (middle_mm, most_mm) = (off_mm[off_mm.len() / 2], off_mm[off_mm.len() - 1]);
         let lasts_s = of.iter().map(|turn| turn.lasts_s).sum::<f64>() / of.len() as f64;
-        Some(format!(
-            "where {axis} turns round the bar reads {:.1} um {} than the model, {:.1} at the most, at {} of {} reversals: a spike that is over within the {:.0} ms or so of which no reading takes part, as the times of readings are not known better there. It is not in what was found, nor in any number; the picture of the circle shows it. Programs of chords (`interpolation = \"chords\"`) tell times to some milliseconds",
+        let better = if of.iter().any(|turn| turn.in_chords) {
+            ""
+        } else {
+            ". Programs of chords (`interpolation = \"chords\"`) tell times to some milliseconds"
+        };
+        let words = format!(
+            "where {axis} turns round the bar reads {:.1} um {} than the model, {:.1} at the most, at {} of {} reversals: a spike that is over within the {:.0} ms or so of which no reading takes part, as the times of readings are not known better there. It is not in what was found, nor in any number; the picture of the circle shows it{better}",
             1e3 * middle_mm,
             if side > 0.0 { "more" } else { "less" },
             1e3 * most_mm,
             off_mm.len(),
             of.len(),
             1e3 * lasts_s
-        ))
+        );
+        Some((axis, words))
     };
     Axis::ALL.into_iter().filter_map(of_axis).collect()
 }
@@ -82,6 +90,7 @@ fn of_run(run: &IdentifiedRun) -> Vec<Turn> {
             axis,
             off_mm: if second[0].abs() > FAR_OFF * usual_mm { second[1] } else { 0.0 },
             lasts_s: last.sample.log_s - first.sample.log_s,
+            in_chords: run.alignment.time_map.chords[first.sample.leg].there_are(),
         })
     };
     whiles.filter(|records| apart(&records[0])).filter_map(of_while).collect()

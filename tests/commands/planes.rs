@@ -327,5 +327,8 @@ fn a_spike_within_what_is_kept_from_reversals_is_told() {
         let text = work.ballbar(&["analyse", "results/test.toml"]).done().stdout();
         assert_eq!(text.contains(sentence), told, "{text}");
         assert!(!text.contains("where X turns round"), "{text}");
+        // It is not said to be none on the same page.
+        assert_eq!(text.contains("reversal spikes of Y"), !told, "{text}");
+        assert!(text.contains("Not found: reversal spikes of X"), "{text}");
     }
 }

@@ -7,7 +7,7 @@ use crate::diagnose::Finding;
 use crate::error::Result;
 use crate::features::{self, Feature, Ranking};
 use crate::identify::Campaign;
-use crate::machine::Machine;
+use crate::machine::{Axis, Machine};
 use crate::plan::Test;
 use crate::report::circular;
 use crate::report::diagnosis::facts::DiagnosisFacts;
@@ -25,12 +25,14 @@ impl RankingFacts {
         diagnosis: Option<&DiagnosisFacts>,
     ) -> Self {
         let mut facts = Self::default();
+        let far_off: Vec<Axis> = of.2.turning_far_off().into_iter().map(|(axis, _)| axis).collect();
         for (index, (repeat, driven)) in repeats.iter().enumerate() {
             // What could not be fitted is told with the circular tests.
             let Ok(driven) = driven else { continue };
             match features::of(of, findings, index, &driven.tests) {
                 Ok(of_repeat) => {
-                    let told = |ranking: &Ranking| result(of.0, *repeat, ranking, diagnosis);
+                    let told =
+                        |ranking: &Ranking| result(of.0, *repeat, ranking, diagnosis, &far_off);
                     facts.tests.extend(of_repeat.iter().map(told));
                 }
                 Err(error) => facts.untold.push(format!("Repeat {repeat}: {}.", error.what)),
@@ -45,9 +47,10 @@ fn result(
     repeat: u32,
     of: &Ranking,
     diagnosis: Option<&DiagnosisFacts>,
+    far_off: &[Axis],
 ) -> RankingResult {
     let findings = diagnosis.map_or(&[][..], |diagnosis| &diagnosis.findings);
-    let not_found = diagnosis.map(|_| words::not_found(&of.features, findings));
+    let not_found = diagnosis.map(|_| words::not_found(&of.features, findings, far_off));
     RankingResult {
         repeat,
         test: circular::words::test_name(&circular::gather::result(test, repeat, of.test)),

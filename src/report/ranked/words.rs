@@ -90,14 +90,20 @@ fn bow(of: &Feature, along: Axis) -> String {
     }
 }
 
-/// Features of a plane that Ballbar 20 has and that no finding tells of.
-pub(super) fn not_found(of: &[Feature], findings: &[FindingFacts]) -> Vec<String> {
+/// Features of a plane that Ballbar 20 has and that no finding tells of, nor, of spikes, a caution about axes that are `far_off` where
+/// they turn.
+pub(super) fn not_found(
+    of: &[Feature],
+    findings: &[FindingFacts],
+    far_off: &[Axis],
+) -> Vec<String> {
     let axes = of.iter().find_map(|feature| match feature.kind {
         Kind::ServoMismatch(a, b) => Some([a, b]),
         _ => None,
     });
     let is = |cause: &str, axis: Axis| {
         findings.iter().any(|of| of.cause == Some(cause) && of.on.ends_with(axis.letter()))
+            || cause == "reversal-spike" && far_off.contains(&axis)
     };
     let [spikes, cyclic] = [("reversal-spike", "reversal spikes"), ("cyclic", "a cyclic error")]
         .map(|(cause, words)| {
