@@ -45,6 +45,9 @@ impl Draft {
     ) -> Result<Self> {
         let trajectory = run.trajectory(feed);
         let engagements = engagement::expected(&trajectory, &run.rig);
+        if engagements.is_empty() {
+            return Err(engagement::never(run, &trajectory));
+        }
         let Paired { stretches, beside } = engagement::pair(
             run.log,
             &engagements,

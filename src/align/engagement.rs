@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::ops::Range;
 
-use super::run::Rig;
+use super::run::{Rig, Run};
 use crate::error::{Error, Kind, Place, Result};
 use crate::log::Log;
 use crate::motion::{BlockKind, Trajectory};
@@ -112,6 +112,28 @@ pub(super) const DURATION_TOLERANCE: f64 = 0.02;
 /// And how far where the feed may have been between half and one and a half times the stated one.
 pub(super) const ANY_FEED_TOLERANCE: f64 = 1.0;
 
+/// What is said of a program without an engagement.
+const NEVER: &str = "the program never brings the bar into its range";
+
+/// That a program has no engagement, and how near to one it comes at the ends of its blocks.
+pub(super) fn never(run: &Run, trajectory: &Trajectory) -> Error {
+    let ends_mm = trajectory.blocks().iter().map(|block| &block.start_mm);
+    let off_mm = ends_mm.map(|end_mm| run.rig.commanded_deviation_mm(end_mm));
+    let nearest_mm = off_mm.min_by(|a, b| a.abs().total_cmp(&b.abs()));
+    let how_near = nearest_mm.map_or_else(String::new, |mm| {
+        let bar = run.rig.bar;
+        format!(
+            ": the balls come to {:.1} mm at the nearest to the bar's {} mm, which reads {} mm either way",
+            bar.length_mm + mm,
+            bar.length_mm,
+            bar.range_mm
+        )
+    });
+    Error::new(Kind::Mismatch, format!("{NEVER}{how_near}"))
+        .at(Place::file(&run.program.file))
+        .hint("check the program, the mounting's `coincidence_mm` and the length of its bar in the test file")
+}
+
 /// Pairs every expected engagement with a stretch of the log, in order.
 ///
 /// Short readings that no program makes, such as the operator's hand when he fits the bar, are passed
@@ -136,10 +158,7 @@ pub(super) fn pair(
         Err(Refusal { log, expected, observed: &told, feed_override, feed_s }.error(reason))
     };
     let Some(shortest_s) = expected.iter().map(Engagement::duration_s).reduce(f64::min) else {
-        return Err(Error::new(Kind::Mismatch, "the program never brings the bar into its range")
-            .hint(
-                "check the mounting's `coincidence_mm` and the length of its bar in the test file",
-            ));
+        return refuse(NEVER);
     };
     let long: Vec<Range<usize>> =
         observed.iter().filter(|s| duration_s(s) > 0.3 * shortest_s).cloned().collect();
