@@ -161,7 +161,7 @@ fn a_slide_reverses_where_it_begins_to_move_back() {
     );
     let reversals = Reversals::of(&trajectory);
     let state = trajectory.at(trajectory.end_s());
-    let [x, y, z] = reversals.last(trajectory.end_s(), &state.position_mm);
+    let [x, y, z] = reversals.last(trajectory.end_s(), &state.position_mm, 0.0);
     let x = x.unwrap();
     assert_near(x.ago_mm, 2.0);
     assert_near(x.ago_s, trapezoid_s(2.0, 10.0, 500.0));
@@ -172,7 +172,7 @@ fn a_slide_reverses_where_it_begins_to_move_back() {
     let before_s = trajectory.end_s() - trapezoid_s(2.0, 10.0, 500.0) - 2.0;
     let state = trajectory.at(before_s);
     // X came with its first motion, began the arc against it, and has gone on in that sense since.
-    assert_near(reversals.last(before_s, &state.position_mm)[0].unwrap().ago_mm, 22.0);
+    assert_near(reversals.last(before_s, &state.position_mm, 0.0)[0].unwrap().ago_mm, 22.0);
 }
 
 #[test]
@@ -195,7 +195,7 @@ fn an_arc_that_ends_where_a_slide_turns_round_leaves_it_in_the_sense_in_which_it
     let at_seams = |s: &f64| blocks[3..6].iter().any(|block| (block.start_s - s).abs() < 1e-6);
     let seams = trajectory.reversals_s().into_iter().filter(|s| at_seams(s)).count();
     assert_eq!(seams, 3);
-    let last = Reversals::of(&trajectory).last(trajectory.end_s(), &[-12.0, 0.0, 0.0].into());
+    let last = Reversals::of(&trajectory).last(trajectory.end_s(), &[-12.0, 0.0, 0.0].into(), 0.0);
     assert_near(last[0].unwrap().ago_mm, 22.0);
 }
 

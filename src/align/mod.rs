@@ -40,6 +40,7 @@ mod stops;
 #[allow(clippy::unwrap_used, clippy::panic)]
 mod tests;
 mod time_map;
+mod turns;
 mod window;
 
 pub use breaks::Break;

@@ -234,7 +234,11 @@ impl Alignment {
                     // By the clock of the bar: a feed that is not as stated makes the program longer, and no time constant.
                     elapsed_s: log_s - self.began_log_s,
                     program_s: moment.program_s,
-                    reversals: self.reversals.last(moment.program_s, &state.position_mm),
+                    reversals: self.reversals.last(
+                        moment.program_s,
+                        &state.position_mm,
+                        time_map.rounded,
+                    ),
                     corner: trajectory.corner(moment.program_s, state.block),
                     averaged,
                     ..Motion::REST
@@ -334,7 +338,7 @@ impl Alignment {
             velocity_mm_s: state.velocity_mm_s,
             elapsed_s: sample.motion.elapsed_s + later_s,
             program_s,
-            reversals: self.reversals.last(program_s, &position_mm),
+            reversals: self.reversals.last(program_s, &position_mm, self.time_map.rounded),
             corner: self.trajectory.corner(program_s, state.block),
             ..sample.motion
         };

@@ -73,7 +73,7 @@ const MOST_KEPT: f64 = 0.4;
 /// [`MOST_KEPT`] where that is less.
 pub(super) fn apart(runs: &[RunInput], guard_s: f64) -> Vec<Vec<Option<Apart>>> {
     let of_run = |run: &RunInput| {
-        let turns_s = run.following[0].turns_s(&run.alignment.trajectory);
+        let turns_s = run.alignment.turns_s(&run.following[0]);
         let sections = &run.alignment.sections;
         // A mean over a reversal has no sense.
         let averaged = run.alignment.averaged > 1;

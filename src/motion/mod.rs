@@ -29,6 +29,7 @@ mod reversals;
 mod slides;
 mod times;
 mod trajectory;
+mod turning;
 
 pub use block::{Block, BlockKind, State};
 pub use followed::Followed;

@@ -10,6 +10,7 @@ use super::driven::Driven;
 use super::matched::{Matched, matched};
 use super::slides::Slides;
 use super::times::Times;
+use super::turning::{Turn, TurningCorner};
 use crate::error::Result;
 use crate::log::Recording;
 use crate::machine::Machine;
@@ -279,19 +280,20 @@ impl Trajectory {
     }
 
     /// When (s) and where (mm) one slide begins to move against its last motion, in order.
-    pub(super) fn turns(&self, slide: usize) -> Vec<(f64, f64)> {
+    pub(super) fn turns(&self, slide: usize) -> Vec<Turn> {
         if let Some(driven) = &self.driven {
-            return driven.reversals(slide).collect();
+            let turns = driven.reversals(slide);
+            return turns.map(|(at_s, at_mm)| Turn { at_s, at_mm, corner: None }).collect();
         }
         let mut turns = Vec::new();
         let mut sense = 0.0;
-        let mut meet = |now: f64, at: (f64, f64)| {
+        let mut meet = |now: f64, turn: Turn| {
             if now * sense < 0.0 {
-                turns.push(at);
+                turns.push(turn);
             }
             sense = now;
         };
-        for block in &self.blocks {
+        for (index, block) in self.blocks.iter().enumerate() {
             let Some((motion, profile)) = &block.motion else { continue };
             // The tangent of an arc leaves a slide's direction at its extremes only.
             let mut shares = motion.extreme_shares();
@@ -301,17 +303,34 @@ impl Trajectory {
             for (begin, end) in begins.zip(ends) {
                 let along = motion.at(0.5 * (begin + end)).1[slide];
                 if along.abs() > 1e-12 {
-                    let into_s = if begin > 0.0 {
-                        profile.time_of_s(begin * motion.length_mm())
-                    } else {
-                        0.0
-                    };
                     let at_mm = motion.at(begin).0[slide];
-                    meet(along.signum(), (block.start_s + into_s, at_mm));
+                    let turn = if begin > 0.0 {
+                        let into_s = profile.time_of_s(begin * motion.length_mm());
+                        Turn { at_s: block.start_s + into_s, at_mm, corner: None }
+                    } else {
+                        let corner = self.turning_corner(index, slide);
+                        Turn { at_s: block.start_s, at_mm, corner }
+                    };
+                    meet(along.signum(), turn);
                 }
             }
         }
         turns
+    }
+
+    /// The corner between two straight blocks, the second of this index, at which a slide turns without a stop.
+    fn turning_corner(&self, index: usize, slide: usize) -> Option<TurningCorner> {
+        let (before, after) = (self.blocks.get(index.checked_sub(1)?)?, self.blocks.get(index)?);
+        let straight = |block: &Block| block.motion().is_some_and(|of| of.path == Path::Line);
+        let runs_on = straight(before) && straight(after) && !before.ends_at_rest;
+        let along_mm_s = |block: &Block| {
+            let middle_s = block.start_s + 0.5 * block.duration_s;
+            block.at(middle_s, index).velocity_mm_s[slide]
+        };
+        runs_on.then(|| TurningCorner {
+            speeds_mm_s: [before, after].map(along_mm_s),
+            lasts_s: before.duration_s.min(after.duration_s),
+        })
     }
 
     /// Time by kind.

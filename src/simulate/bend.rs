@@ -146,7 +146,7 @@ impl Bent {
         let driven = drive.following.followed(machine_s, &state);
         let late_s = drive.following.late_s();
         let turned =
-            |k: usize| drive.reversals.last(turned_by_s - late_s[k], &driven.position_mm)[k];
+            |k: usize| drive.reversals.last(turned_by_s - late_s[k], &driven.position_mm, 0.0)[k];
         let condition = Condition {
             position_mm: driven.position_mm + self.offset_mm,
             sense: driven.sense,

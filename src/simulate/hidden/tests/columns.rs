@@ -44,7 +44,7 @@ fn situations<'a>(
             velocity_mm_s: state.velocity_mm_s,
             elapsed_s: elapsed_s(k, RATE_HZ),
             program_s: moment.program_s,
-            reversals: reversals.last(turned_by_s, &state.position_mm),
+            reversals: reversals.last(turned_by_s, &state.position_mm, 0.0),
             ..Motion::REST
         };
         let pose = Pose { position_mm: state.position_mm, sense: state.sense };
