@@ -66,7 +66,9 @@ fn read(input: &[u8]) -> bool {
             let at_s = driven.end_s() * f64::from(k) / 99.0;
             let state = driven.at(at_s);
             assert!(state.position_mm.iter().chain(&state.velocity_mm_s).all(|n| n.is_finite()));
-            let _ = reversals.last(at_s, &state.position_mm);
+            for rounded in [-1.0, 0.0, 0.7, 2.0] {
+                let _ = reversals.last(at_s, &state.position_mm, rounded);
+            }
         }
     }
     accepted(&driven)
