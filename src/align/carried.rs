@@ -15,7 +15,7 @@ const LATEST_S: f64 = 2.0 * FOLLOWING_S;
 const STEP_S: f64 = 1e-3;
 /// And so many time constants back: of a millimetre no reading sees a part in a million.
 const CONSTANTS: f64 = 14.0;
-/// No ball-bar reads less, mm.
+/// What is less than this does little to one reading beside its noise, mm.
 const SEEN_MM: f64 = 1e-4;
 
 /// For how long after the begin of an arc the bar may read what slides had to catch up there, s. Its mean delay of a time

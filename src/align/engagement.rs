@@ -123,7 +123,7 @@ pub(super) fn never(run: &Run, trajectory: &Trajectory) -> Error {
     let how_near = nearest_mm.map_or_else(String::new, |mm| {
         let bar = run.rig.bar;
         format!(
-            ": the balls come to {:.1} mm at the nearest to the bar's {} mm, which reads {} mm either way",
+            ": of the ends of its moves the nearest is at {:.1} mm from ball to ball, and the bar of {} mm reads {} mm either way",
             bar.length_mm + mm,
             bar.length_mm,
             bar.range_mm

@@ -140,11 +140,10 @@ impl Following {
         [squares_s2 * 0.5, self.constants_s + later_s].map(|of| bends_mm_s2.component_mul(&of))
     }
 
-    /// When slides turn round, s, in order: each while from the program's turn to that of the slide, whichever is first. Of an
+    /// When slides turn round, s: each while from the program's turn to that of the slide, whichever is first. Of an
     /// even curve both are at once; a slide that leaves a corner slower than it came turns later, one that comes to it slowly
     /// sooner, by up to its time constant.
-    pub fn turns_s(&self, trajectory: &Trajectory) -> Vec<[f64; 2]> {
-        let mut turns: Vec<[f64; 2]> = Vec::new();
+    pub(super) fn turns_s(&self, trajectory: &Trajectory) -> Vec<[f64; 2]> {
         let planned = trajectory.reversals_s().into_iter().map(|planned_s| {
             let [before, after] =
                 [-HAIR_S, HAIR_S].map(|aside_s| trajectory.at(planned_s + aside_s).sense);
@@ -154,15 +153,7 @@ impl Following {
             each.filter_map(|slide| self.turned_s(trajectory, planned_s, slide, after[slide]))
                 .fold([planned_s; 2], |[from_s, to_s], s| [from_s.min(s), to_s.max(s)])
         });
-        let mut planned: Vec<[f64; 2]> = planned.collect();
-        planned.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        for [from_s, to_s] in planned {
-            match turns.last_mut().filter(|last| from_s <= last[1]) {
-                Some(last) => last[1] = last[1].max(to_s),
-                None => turns.push([from_s, to_s]),
-            }
-        }
-        turns
+        planned.collect()
     }
 
     /// When a slide begins to go in another sense that the program turns to at a time, s; `None` where it does not get there.

@@ -33,7 +33,7 @@ pub fn align(run: &Run) -> Result<Alignment> {
         return aligned(run);
     }
     let mut with_all_taken_out = None;
-    // Of a limit at which the machine stood nothing is taken out: that left a hole in the log.
+    // Readings at which the machine stood are none that were cut off: without them the log has a hole where the bar read.
     for taken_out in (0..1_usize << limits.len()).rev() {
         let is_taken_out = |k: usize| taken_out >> k & 1 == 1;
         let some = limits.iter().enumerate().filter(|(k, _)| is_taken_out(*k));

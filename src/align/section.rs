@@ -157,9 +157,10 @@ impl Section {
     }
 
     /// For how long from either end on it is not known where on its way the slides are, s; 0 where it does not begin or end at
-    /// rest and no slide has anything to [catch up](Self::carried_s). What the way loses in coming to its speed the time takes in, and not how it comes to it: with half of the
-    /// acceleration it takes twice as long, half of which is before its planned begin, and an acceleration that builds up in
-    /// a time `T` adds `T/2`. Of a short arc this is a part, but never less than what twice the acceleration would be off.
+    /// rest and no slide has anything to [catch up](Self::carried_s). What the way loses in coming to its speed the time takes
+    /// in, and not how it comes to it: with half of the acceleration it takes twice as long, half of which is before its planned
+    /// begin, and an acceleration that builds up in a time `T` adds `T/2`. Of a short arc this is a part, but never less than
+    /// what twice the acceleration would be off.
     pub fn comes_to_speed_s(&self) -> [f64; 2] {
         let most_s = LARGEST_PART * self.duration_s();
         let of_lag_s = |lag_s: f64| (3.0 * lag_s + 0.5 * BUILDS_UP_S).min(most_s).max(0.5 * lag_s);

@@ -4,8 +4,8 @@ use super::following::Following;
 use super::samples::Alignment;
 
 impl Alignment {
-    /// When slides turn round, s, in order: each while from the program's turn to that of the slide, which is another one of slides that
-    /// [follow](Following::turns_s) late, and of a corner that the control rounds out.
+    /// When slides turn round, s, in order and apart: each while from the program's turn to that of the slide, which is another
+    /// one of slides that follow late, and of a corner that the control rounds out.
     pub fn turns_s(&self, following: &Following) -> Vec<[f64; 2]> {
         let mut all = following.turns_s(&self.trajectory);
         all.extend(self.reversals.rounded_s(self.time_map.rounded));
