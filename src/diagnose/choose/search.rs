@@ -172,7 +172,8 @@ fn falls_short(beside: &Beside, cause: &Tried, curve: &Tried) -> bool {
     let counts_mm2 = || {
         let left_mm = curve.fitted.left_mm(beside);
         let noise = Noise::of(beside.residuals, &left_mm);
-        stands_mm2(beside.residuals, &noise, left_mm.square())
+        let by_choice_mm2 = curves::by_choice(curve.fitted.columns.len()) * noise.long_run_mm2;
+        stands_mm2(beside.residuals, &noise, left_mm.square()) + by_choice_mm2
     };
     cause.score_mm2 < OF_A_CURVE * curve.score_mm2
         || (bends && cause.score_mm2 + counts_mm2() < curve.score_mm2)

@@ -85,6 +85,7 @@ impl Search<'_> {
             let instead = causes.filter(|tried| {
                 let beside = self.beside(Some(tried));
                 score_mm2(&beside, tried) > INSTEAD_OF_A_CURVE * score_mm2(&beside, &best)
+                    && !self.bends_less(tried, &best, index)
             });
             match instead {
                 Some(instead) => (best, index) = (instead, 0),
@@ -92,6 +93,19 @@ impl Search<'_> {
             }
         }
         best
+    }
+
+    /// Whether causes that can be bent to any curve over what the curve runs over explain less than it does, by more than
+    /// chance and the choice of its knots would: then they are the best of what it is not.
+    fn bends_less(&self, causes: &Fitted, with_curve: &Fitted, index: usize) -> bool {
+        let over = described_over(&with_curve.elements[index]);
+        if over.is_none() || !causes.elements.iter().any(|e| smooth_over(e) == over) {
+            return false;
+        }
+        let beside = self.beside(Some(with_curve));
+        let by_choice = curves::by_choice(with_curve.amplitudes[index].len());
+        let counts_mm2 = stands_beside_mm2(&beside) + by_choice * beside.noise().long_run_mm2;
+        score_mm2(&beside, causes) + counts_mm2 < score_mm2(&beside, with_curve)
     }
 
     /// A curve in place of several smooth causes over one variable that together do no better than it, and of
