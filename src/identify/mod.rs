@@ -47,6 +47,7 @@ mod residuals;
 mod result;
 mod rows;
 mod said;
+mod sandwich;
 mod selection;
 mod settle;
 mod slip;

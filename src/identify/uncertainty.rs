@@ -7,13 +7,10 @@ use super::input::RunInput;
 use super::record::Record;
 use super::result::{Estimate, Identification, IdentifiedRun};
 use super::state::State;
-use super::timing::Detail;
 use super::{cautions, residuals, timing};
 use crate::align::{FOLLOWING_S, Sample};
 use crate::error::Result;
-use crate::solve::{
-    self, Autocovariances, BackwardFilter, BorderedSolution, Matrix, NoiseModel, Triangle,
-};
+use crate::solve::{self, Autocovariances, BorderedSolution, Matrix, NoiseModel};
 
 /// What the readings decided.
 pub(super) struct Decided {
@@ -48,7 +45,7 @@ impl Fit<'_> {
         let noise = self.noise(&left_mm, outcome, MOST_PASSES)?;
         let solution = self.consider_lags()?;
         let outcome = &Outcome { solution, ..*outcome };
-        let covariance = outcome.solution.covariance_sandwich(&self.filtered(&noise)?)?;
+        let covariance = self.covariance(&outcome.solution, &left_mm, &noise)?;
         self.state_times(&covariance);
         let covariance = covariance.shared;
         let sigmas = solve::standard_deviations(&covariance);
@@ -257,26 +254,6 @@ impl Fit<'_> {
         let left_open = Matrix::from_fn(count, open.len(), |i, k| open[k][i]);
         let rank = observed.iter().sum::<f64>().round() as usize;
         Decided { observed, rank, left_open: Some(left_open) }
-    }
-
-    /// The rows `W J` of each run, filtered by the noise, for the sandwich.
-    pub(super) fn filtered(&self, noise: &NoiseModel) -> Result<Vec<Triangle>> {
-        self.fold_runs(&|index, rows| {
-            let mut row = vec![0.0; rows.columns()];
-            let mut filter = BackwardFilter::new(noise, rows.columns());
-            for segment in self.segments(index) {
-                filter.begin(segment.len());
-                let backward: Vec<usize> = segment.rev().collect();
-                self.each_row(index, &backward, Detail::Full, |k, of_sample, _| {
-                    let weight = self.weight(index, k) / self.state.counts_mm().powi(2);
-                    row.iter_mut().zip(of_sample).for_each(|(to, of)| *to = of * weight);
-                    rows.push(filter.push(&row), 0.0);
-                });
-            }
-            self.each_time_row(&mut row, index, |row, _, sigma| {
-                rows.push_weighted(row, 0.0, 1.0 / sigma);
-            });
-        })
     }
 
     /// Stretches of samples of a run that take part, on one arc each, without a gap.

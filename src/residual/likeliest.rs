@@ -13,6 +13,8 @@ use crate::solve::{ArcOfMeans, Matrix, Means, likely};
 
 /// A mean is over so long, s, or one sample.
 const MEAN_S: f64 = 0.1;
+/// Noise does not hang together for longer, s.
+const LONGEST_S: f64 = 1.0;
 /// A direction of which the samples tell less than this has its number from what is plausible: it took out as little.
 const FOLLOWED: f64 = 0.5;
 
@@ -20,7 +22,7 @@ const FOLLOWED: f64 = 0.5;
 pub(super) fn long_run_mm2(beside: &Beside) -> Option<f64> {
     let each = beside.residuals.repeats.par_iter().enumerate();
     let repeats: Vec<Means> = each.map(|(index, repeat)| means(beside, index, repeat)).collect();
-    let noises = likely(&repeats);
+    let noises = likely(&repeats, LONGEST_S);
     let arcs: Vec<&ArcOfMeans> = repeats.iter().flat_map(|repeat| &repeat.arcs).collect();
     let count: usize = arcs.iter().map(|arc| arc.means.len()).sum();
     let long_run_mm2 = noises.iter().map(|noise| {

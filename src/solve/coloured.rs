@@ -19,7 +19,7 @@ use rayon::prelude::*;
 use super::matrix::Matrix;
 
 /// Times over which noise hangs together, s.
-const TIMES_S: [f64; 6] = [0.05, 0.1, 0.2, 0.35, 0.6, 1.0];
+const TIMES_S: [f64; 8] = [0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.4, 2.0];
 /// Its share of the variance of a mean.
 const SHARES: [f64; 6] = [0.2, 0.4, 0.6, 0.8, 0.95, 1.0];
 /// Of a direction that others span less than this is left, of its square.
@@ -66,13 +66,15 @@ pub struct Likely {
     pub variance: f64,
 }
 
-/// Noises that may have left what is left of all of these, each by its likelihood; none where nothing is left to know them from.
+/// Noises that may have left what is left of all of these and hang together for so long at most, s, each by its likelihood; none
+/// where nothing is left to know them from.
 ///
 /// # Panics
 /// If they do not share as many rows.
-pub fn likely(all: &[Means]) -> Vec<Likely> {
+pub fn likely(all: &[Means], longest_s: f64) -> Vec<Likely> {
     let hanging = TIMES_S
         .iter()
+        .filter(|time_s| **time_s <= longest_s)
         .flat_map(|time_s| SHARES.iter().map(|share| Colour { time_s: *time_s, share: *share }));
     let white = Colour { time_s: TIMES_S[0], share: 0.0 };
     let colours: Vec<Colour> = std::iter::once(white).chain(hanging).collect();

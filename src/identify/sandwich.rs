@@ -1,0 +1,197 @@
+//! The covariance of a fit by the noises that may have left what it leaves.
+//!
+//! With the rows `J` of a fit, their weights `W`, `A = (J^T W J)^-1`, and the covariance of the noise `S`, that is `A M A`, `M = J^T W
+//! S W J`. An autoregression of what is left has the `S` of all that changes along an arc as fast as the fit cannot follow. What hangs
+//! together for longer the fit takes out of short arcs, and correlations of residuals say nothing of it: of three planes in 15 s each,
+//! which a noise of 0.24 um had moved by 0.65 um, they told 0.09. So as much is added as [`likely`] noises, white ones with the variance
+//! `s (1 - share)` of a reading and `s share` of the mean of a cell of `n` readings times the root of `n` that hangs together, have
+//! beyond it in the long run. With `p` their likelihoods, `v` their long-run variances, and `v'` that of the autoregression:
+//!
+//! ```text
+//! M = J^T W S W J + f sum_i p_i s_i share_i / n  Z^T K_i Z,      f sum_i p_i s_i (v of what hangs together) = sum_i p_i v_i - v'
+//! ```
+//!
+//! where that is above 0, with `Z` the sums of the rows `W J` over each cell and `K_i` the correlations `exp(-t / tau_i)` of the cells
+//! of a stretch. It is never less than the autoregression alone has it.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::fit::Fit;
+use super::follows::Follows;
+use super::timing::Detail;
+use crate::error::Result;
+use crate::solve::{
+    ArcOfMeans, BackwardFilter, BorderedCovariance, BorderedSolution, Likely, Matrix, Means,
+    NoiseModel, Triangle, Tsqr, likely,
+};
+
+/// A cell is so long, s, or one reading.
+const CELL_S: f64 = 0.1;
+/// And longer where there were more of them than this: arcs last some hundred cells then, ten times as long as what a fit of them
+/// bends in, and what noise does within one is white to it.
+const MOST_CELLS: f64 = 2048.0;
+/// Noise of readings hangs together for a second. Of what a fit has taken out the longest time is told that is possible, and were
+/// that a second, half of all noise of a second were told too small: so long, s.
+const LONGEST_S: f64 = 2.0;
+/// A direction of which the readings tell less than this has its number from what is plausible: it took out as little.
+const FOLLOWED: f64 = 0.5;
+
+/// What a run says over cells of neighbouring readings.
+struct Cells {
+    /// Its rows `W J`, filtered by the autoregression.
+    filtered: Triangle,
+    /// Their sums over cells, a row each.
+    rows: Vec<Vec<f64>>,
+    /// What is left, weighed and summed alike, mm.
+    left_mm: Vec<f64>,
+    /// The cells of each stretch without a gap, and how many of them are whole.
+    stretches: Vec<(Range<usize>, usize)>,
+    /// Readings of a whole cell.
+    size: usize,
+    every_s: f64,
+}
+
+impl Fit<'_> {
+    /// The covariance of a solution, by an autoregression of what is left and the noises that are likely beside it.
+    pub(super) fn covariance(
+        &self,
+        solution: &BorderedSolution,
+        left_mm: &[Vec<f64>],
+        noise: &NoiseModel,
+    ) -> Result<BorderedCovariance> {
+        let all_s = (0..self.runs.len()).map(|index| {
+            let readings: usize = self.segments(index).iter().map(Range::len).sum();
+            readings as f64 * self.runs[index].alignment.sample_period_s
+        });
+        let cell_s = CELL_S.max(all_s.sum::<f64>() / MOST_CELLS);
+        let runs = (0..self.runs.len()).into_par_iter();
+        let cells = runs.map(|index| self.cells(index, &left_mm[index], cell_s, noise));
+        let cells: Vec<Cells> = cells.collect::<Result<_>>()?;
+        let noises = likely(&[self.means(&cells, solution)], LONGEST_S);
+        let filtered = cells.into_iter().map(|of| of.with_what_lasts(&noises, noise));
+        solution.covariance_sandwich(&filtered.collect::<Result<Vec<_>>>()?)
+    }
+
+    /// The rows `W J` of each run, filtered by a noise.
+    pub(super) fn filtered(&self, noise: &NoiseModel) -> Result<Vec<Triangle>> {
+        self.fold_runs(&|index, rows| self.push_filtered(index, noise, rows, |_, _| ()))
+    }
+
+    /// Pushes those of a run, calling back with each reading and its row before it is filtered.
+    fn push_filtered(
+        &self,
+        index: usize,
+        noise: &NoiseModel,
+        rows: &mut Tsqr,
+        mut each: impl FnMut(usize, &[f64]),
+    ) {
+        let mut row = vec![0.0; rows.columns()];
+        let mut filter = BackwardFilter::new(noise, rows.columns());
+        for segment in self.segments(index) {
+            filter.begin(segment.len());
+            let backward: Vec<usize> = segment.rev().collect();
+            self.each_row(index, &backward, Detail::Full, |k, of_sample, _| {
+                let weight = self.weight(index, k) / self.state.counts_mm().powi(2);
+                row.iter_mut().zip(of_sample).for_each(|(to, of)| *to = of * weight);
+                each(k, &row);
+                rows.push(filter.push(&row), 0.0);
+            });
+        }
+        self.each_time_row(&mut row, index, |row, _, sigma| {
+            rows.push_weighted(row, 0.0, 1.0 / sigma);
+        });
+    }
+
+    fn cells(
+        &self,
+        index: usize,
+        left_mm: &[f64],
+        cell_s: f64,
+        noise: &NoiseModel,
+    ) -> Result<Cells> {
+        let period_s = self.runs[index].alignment.sample_period_s;
+        let size = ((cell_s / period_s).round() as usize).max(1);
+        let (mut stretches, mut count) = (Vec::new(), 0);
+        let mut cell_of = vec![0; left_mm.len()];
+        for segment in self.segments(index) {
+            let of_segment = segment.len().div_ceil(size);
+            stretches.push((count..count + of_segment, segment.len() / size));
+            for (number, k) in segment.enumerate() {
+                cell_of[k] = count + number / size;
+            }
+            count += of_segment;
+        }
+        let width = self.columns.own(index) + self.columns.coefficients;
+        let mut rows = vec![vec![0.0; width]; count];
+        let mut sums_mm = vec![0.0; count];
+        let mut filtered = Tsqr::new(width);
+        self.push_filtered(index, noise, &mut filtered, |k, row| {
+            rows[cell_of[k]].iter_mut().zip(row).for_each(|(sum, of)| *sum += of);
+            sums_mm[cell_of[k]] += self.weight(index, k) * left_mm[k];
+        });
+        let (filtered, every_s) = (filtered.finish()?, size as f64 * period_s);
+        Ok(Cells { filtered, rows, left_mm: sums_mm, stretches, size, every_s })
+    }
+
+    /// What the fit has taken out of whole cells, and what it has left.
+    fn means(&self, cells: &[Cells], solution: &BorderedSolution) -> Means {
+        let follows = Follows::of(self, solution);
+        let mut arcs = Vec::new();
+        let mut columns: Vec<Vec<f64>> = Vec::new();
+        let mut left_mm = Vec::new();
+        for (index, of) in cells.iter().enumerate() {
+            let root = (of.size as f64).sqrt();
+            for (stretch, whole) in &of.stretches {
+                let begin = columns.len();
+                for cell in stretch.clone().take(*whole) {
+                    let mut q = vec![0.0; follows.rank()];
+                    follows.row(index, &of.rows[cell], self.state.counts_mm() / root, &mut q);
+                    columns.push(q);
+                    left_mm.push(of.left_mm[cell] / root);
+                }
+                arcs.push(ArcOfMeans { means: begin..columns.len(), every_s: of.every_s });
+            }
+        }
+        let seen = |direction: &usize| {
+            columns.iter().map(|q| q[*direction].powi(2)).sum::<f64>() > FOLLOWED
+        };
+        let own: Vec<usize> = (0..follows.rank()).filter(seen).collect();
+        let rows = Matrix::from_fn(own.len() + 1, columns.len(), |i, k| {
+            own.get(i).map_or(left_mm[k], |direction| columns[k][*direction])
+        });
+        Means { arcs, rows, own: own.len() }
+    }
+}
+
+impl Cells {
+    /// The filtered rows, with those of what likely noises have beyond the autoregression.
+    fn with_what_lasts(self, noises: &[Likely], noise: &NoiseModel) -> Result<Triangle> {
+        let of_all = |of: &dyn Fn(&Likely) -> f64| -> f64 {
+            noises.iter().map(|noise| noise.weight * noise.variance * of(noise)).sum()
+        };
+        let white_mm2 = of_all(&|noise| 1.0 - noise.colour.share);
+        let lasting_mm2 = of_all(&|noise| noise.colour.long_run(self.every_s)) - white_mm2;
+        let beyond_mm2 = white_mm2 + lasting_mm2 - noise.long_run_variance();
+        if beyond_mm2 <= 0.0 || lasting_mm2 <= 0.0 {
+            return Ok(self.filtered);
+        }
+        let lags = (LONGEST_S / self.every_s).ceil() as usize + 1;
+        let of_lag = |lag: usize| {
+            let apart_s = lag as f64 * self.every_s;
+            let of = |noise: &Likely| noise.colour.share * (-apart_s / noise.colour.time_s).exp();
+            beyond_mm2 / lasting_mm2 * of_all(&of) / self.size as f64
+        };
+        let lasting = NoiseModel::of_autocovariances(&(0..=lags).map(of_lag).collect::<Vec<_>>());
+        let mut filter = BackwardFilter::new(&lasting, self.filtered.columns());
+        let mut rows = Tsqr::of(&self.filtered);
+        for (stretch, _) in &self.stretches {
+            filter.begin(stretch.len());
+            for cell in stretch.clone().rev() {
+                rows.push(filter.push(&self.rows[cell]), 0.0);
+            }
+        }
+        rows.finish()
+    }
+}
