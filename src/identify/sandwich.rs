@@ -35,8 +35,8 @@ const MOST_CELLS: f64 = 2048.0;
 /// Noise of readings hangs together for a second. Of what a fit has taken out the longest time is told that is possible, and were
 /// that a second, half of all noise of a second were told too small: so long, s.
 const LONGEST_S: f64 = 2.0;
-/// A direction of which the readings tell less than this has its number from what is plausible: it took out as little.
-const FOLLOWED: f64 = 0.5;
+/// Less than this part of a variance changes no digit that is told.
+const NEGLIGIBLE: f64 = 1e-9;
 
 /// What a run says over cells of neighbouring readings.
 struct Cells {
@@ -154,14 +154,8 @@ impl Fit<'_> {
                 arcs.push(ArcOfMeans { means: begin..columns.len(), every_s: of.every_s });
             }
         }
-        let seen = |direction: &usize| {
-            columns.iter().map(|q| q[*direction].powi(2)).sum::<f64>() > FOLLOWED
-        };
-        let own: Vec<usize> = (0..follows.rank()).filter(seen).collect();
-        let rows = Matrix::from_fn(own.len() + 1, columns.len(), |i, k| {
-            own.get(i).map_or(left_mm[k], |direction| columns[k][*direction])
-        });
-        Means { arcs, rows, own: own.len() }
+        let q = Matrix::from_fn(follows.rank(), columns.len(), |i, k| columns[k][i]);
+        Means::of_fit(arcs, &q, &left_mm)
     }
 }
 
@@ -177,19 +171,23 @@ impl Cells {
         if beyond_mm2 <= 0.0 || lasting_mm2 <= 0.0 {
             return Ok(self.filtered);
         }
-        let lags = (LONGEST_S / self.every_s).ceil() as usize + 1;
-        let of_lag = |lag: usize| {
-            let apart_s = lag as f64 * self.every_s;
-            let of = |noise: &Likely| noise.colour.share * (-apart_s / noise.colour.time_s).exp();
-            beyond_mm2 / lasting_mm2 * of_all(&of) / self.size as f64
-        };
-        let lasting = NoiseModel::of_autocovariances(&(0..=lags).map(of_lag).collect::<Vec<_>>());
-        let mut filter = BackwardFilter::new(&lasting, self.filtered.columns());
         let mut rows = Tsqr::of(&self.filtered);
-        for (stretch, _) in &self.stretches {
-            filter.begin(stretch.len());
-            for cell in stretch.clone().rev() {
-                rows.push(filter.push(&self.rows[cell]), 0.0);
+        let one_time = |a: &Likely, b: &Likely| a.colour.time_s.total_cmp(&b.colour.time_s).is_eq();
+        for of_time in noises.chunk_by(one_time) {
+            let of = |noise: &Likely| noise.weight * noise.variance * noise.colour.share;
+            let variance_mm2 = beyond_mm2 / lasting_mm2 * of_time.iter().map(of).sum::<f64>();
+            if variance_mm2 < NEGLIGIBLE * beyond_mm2 {
+                continue;
+            }
+            let next = of_time[0].colour.next(self.every_s);
+            let new_mm2 = variance_mm2 / self.size as f64 * (1.0 - next * next);
+            let lasting = NoiseModel::autoregressive(vec![next], new_mm2.sqrt())?;
+            let mut filter = BackwardFilter::new(&lasting, rows.columns());
+            for (stretch, _) in &self.stretches {
+                filter.begin(stretch.len());
+                for cell in stretch.clone().rev() {
+                    rows.push(filter.push(&self.rows[cell]), 0.0);
+                }
             }
         }
         rows.finish()

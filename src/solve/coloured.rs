@@ -17,11 +17,14 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::matrix::Matrix;
+use super::svd::Decomposition;
 
 /// Times over which noise hangs together, s.
 const TIMES_S: [f64; 8] = [0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.4, 2.0];
 /// Its share of the variance of a mean.
 const SHARES: [f64; 6] = [0.2, 0.4, 0.6, 0.8, 0.95, 1.0];
+/// A direction of which means tell less than this, of its square, has its number from what was known beforehand: it took out as little.
+const FOLLOWED: f64 = 0.5;
 /// Of a direction that others span less than this is left, of its square.
 const SPANNED: f64 = 1e-6;
 
@@ -44,6 +47,31 @@ pub struct Means {
     pub rows: Matrix,
     /// How many rows are its own.
     pub own: usize,
+}
+
+impl Means {
+    /// Those of one fit. Of its orthonormal directions, a row each of `q` with a column a mean, those count that means tell: of all
+    /// their combinations the eigenvectors of `Q Q^T` whose eigenvalue is above a half.
+    ///
+    /// # Panics
+    /// If there is not one number left for each mean.
+    pub fn of_fit(arcs: Vec<ArcOfMeans>, q: &Matrix, left: &[f64]) -> Self {
+        assert_eq!(q.columns(), left.len(), "one number left for each mean");
+        let gram = q.times_own_transpose();
+        let directions = if let Ok(told) = Decomposition::of(&gram) {
+            let own = told.singular_values.iter().filter(|told| **told > FOLLOWED).count();
+            Matrix::from_fn(own, q.rows(), |i, k| told.u[(k, i)]).times(q)
+        } else {
+            // Where the library goes in circles, the directions as they are.
+            let own: Vec<usize> = (0..q.rows()).filter(|k| gram[(*k, *k)] > FOLLOWED).collect();
+            Matrix::from_fn(own.len(), q.columns(), |i, k| q[(own[i], k)])
+        };
+        let own = directions.rows();
+        let rows = Matrix::from_fn(own + 1, left.len(), |i, k| {
+            if i < own { directions[(i, k)] } else { left[k] }
+        });
+        Self { arcs, rows, own }
+    }
 }
 
 /// White noise of variance `1 - share` on means of noise that hangs together, of variance `share`.
@@ -131,7 +159,7 @@ impl Told {
 
 impl Colour {
     /// Correlation of what hangs together from one mean to the next.
-    fn next(self, every_s: f64) -> f64 {
+    pub fn next(self, every_s: f64) -> f64 {
         (-every_s / self.time_s).exp()
     }
 

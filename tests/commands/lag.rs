@@ -24,7 +24,22 @@ fn circle(plane: &str, along: &str, centre: &str, feed: &str) -> String {
     )
 }
 
-fn told_of(work: &Work) -> (Value, toml::Table) {
+/// A test of a circle in each plane, each in a log of its own, with a bar that reads whole micrometres.
+pub(crate) fn three_planes(feed: &str) -> Work {
+    let work = Work::new();
+    work.write("machine.toml", std::fs::read(project().join("machines/hu40t.toml")).unwrap());
+    let mut test = "name = \"Planes\"\nmachine = \"machine.toml\"\n[ball_bar]\nlength_mm = 100.0\nresolution_um = 1.0\n\
+         [[mounting]]\nname = \"A\"\ncoincidence_mm = [20.0, -35.0, 40.0]\ntool_ball_mm = [0.0, 0.0, -200.0]\n"
+        .to_owned();
+    for (plane, along, centre) in [("G17", "X", "I"), ("G19", "Y", "J"), ("G18", "Z", "K")] {
+        work.write(&format!("{plane}.nc"), circle(plane, along, centre, feed));
+        let _ = write!(test, "[[run]]\nprogram = \"{plane}.nc\"\nlog = \"{plane}.csv\"\n");
+    }
+    work.write("test.toml", test);
+    work
+}
+
+pub(crate) fn told_of(work: &Work) -> (Value, toml::Table) {
     let told = work.ballbar(&["identify", "results/test.toml", "--json"]).done().stdout();
     let truth = std::fs::read_to_string(work.path("results/truth.toml")).unwrap();
     (serde_json::from_str(&told).unwrap(), toml::from_str(&truth).unwrap())
@@ -35,16 +50,7 @@ fn told_of(work: &Work) -> (Value, toml::Table) {
 #[test]
 fn no_lag_is_told_of_three_circles_that_have_it_alike() {
     for (lag_ms, feed, seed) in [("25", "900.", "2"), ("10", "3000.", "1"), ("0", "3000.", "2")] {
-        let work = Work::new();
-        work.write("machine.toml", std::fs::read(project().join("machines/hu40t.toml")).unwrap());
-        let mut test = "name = \"Lag\"\nmachine = \"machine.toml\"\n[ball_bar]\nlength_mm = 100.0\nresolution_um = 1.0\n\
-             [[mounting]]\nname = \"A\"\ncoincidence_mm = [20.0, -35.0, 40.0]\ntool_ball_mm = [0.0, 0.0, -200.0]\n"
-            .to_owned();
-        for (plane, along, centre) in [("G17", "X", "I"), ("G19", "Y", "J"), ("G18", "Z", "K")] {
-            work.write(&format!("{plane}.nc"), circle(plane, along, centre, feed));
-            let _ = write!(test, "[[run]]\nprogram = \"{plane}.nc\"\nlog = \"{plane}.csv\"\n");
-        }
-        work.write("test.toml", test);
+        let work = three_planes(feed);
         work.write(
             "late.toml",
             format!("sample_rate_hz = 250.0\nresolution_um = 1.0\n[noise]\nwhite_um = 0.05\ncorrelated_um = 0.05\n[motion]\nfollowing_ms = [{lag_ms}, {lag_ms}, {lag_ms}]\n"),

@@ -24,6 +24,7 @@ mod logs;
 mod monitor;
 mod motion;
 mod mountings;
+mod noise;
 mod plan;
 mod planes;
 mod ranked;
