@@ -180,3 +180,15 @@ fn what_is_nearly_a_wave_is_none() {
     let [only] = outcome.judgement.found.as_slice() else { panic!("{outcome:?}") };
     assert!(only.text.contains("over position of X"), "{}", only.text);
 }
+
+/// A friction of Y that tilts it, beside a servo mismatch of thirteen times its square: five causes explained 0.94 of what the curve
+/// does, and with the servo 0.99 of everything.
+#[test]
+fn a_large_effect_lends_nothing_to_causes_in_place_of_a_curve() {
+    let grid = Grid { seed: 80, size_mm: None };
+    let outcome = grid.trial(Request { class: Class::Outside, index: 6 }, false);
+    assert_eq!(outcome.judgement.verdict.name(), "right", "{outcome:?}");
+    let curves = outcome.judgement.found.iter().filter(|found| found.cause.is_none());
+    let texts: Vec<&str> = curves.map(|found| found.text.as_str()).collect();
+    assert!(texts.len() == 1 && texts[0].contains("over velocity of Y"), "{outcome:?}");
+}

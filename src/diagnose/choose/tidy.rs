@@ -76,6 +76,7 @@ impl Search<'_> {
             let mut others = best.elements.clone();
             others.remove(index);
             let start = self.fit_others(others);
+            let others_mm2 = start.as_ref().map_or(0.0, |others| others.gain_mm2);
             let most = best.elements.len() + 1;
             // The fit lets slides follow unlike in any case: their delays take no room from other causes.
             let causes = self.forward(start, false, most).and_then(|tried| {
@@ -84,7 +85,8 @@ impl Search<'_> {
             });
             let instead = causes.filter(|tried| {
                 let beside = self.beside(Some(tried));
-                score_mm2(&beside, tried) > INSTEAD_OF_A_CURVE * score_mm2(&beside, &best)
+                let of_curve_mm2 = |fitted: &Fitted| score_mm2(&beside, fitted) - others_mm2;
+                of_curve_mm2(tried) > INSTEAD_OF_A_CURVE * of_curve_mm2(&best)
                     && !self.bends_less(tried, &best, index)
             });
             match instead {
@@ -139,8 +141,10 @@ impl Search<'_> {
             let elements = before.chain(curve.fitted.elements).collect();
             let Some(instead) = self.fit_all(elements) else { continue };
             let beside = self.beside(Some(&instead));
+            let kept_mm2 = start.as_ref().map_or(0.0, |kept| kept.gain_mm2);
+            let of_smooth_mm2 = |fitted: &Fitted| score_mm2(&beside, fitted) - kept_mm2;
             // Where a curve is needed anyway, nothing smooth over the same is named beside it.
-            if described || score_mm2(&beside, &instead) > OF_A_CURVE * score_mm2(&beside, &best) {
+            if described || of_smooth_mm2(&instead) > OF_A_CURVE * of_smooth_mm2(&best) {
                 best = instead;
             }
         }
