@@ -10,9 +10,9 @@
 //! releases, the third is what the instrument's maker says of its clock.
 //!
 //! **Uncertainty.** The samples of an arc are correlated. An autoregressive model of the residuals
-//! gives their covariance `S`, and the covariance of the estimate is
-//! `(J'WJ)^+ J'W S W J (J'WJ)^+`. It counts noise, correlated noise and the uncertainty of the time
-//! map. It does not count what the model gets wrong.
+//! gives their covariance `S`; what noise that lasts does to short arcs the fit takes out of them, and likely
+//! noises give that, `B`. The covariance of the estimate is `(J'WJ)^+ (J'W S W J + B) (J'WJ)^+`. It counts noise,
+//! correlated noise and the uncertainty of the time map. It does not count what the model gets wrong.
 //!
 //! **Rank.** A direction in coefficient space counts as observed when its effect over the measured
 //! sphere stands out of the noise, see [`SEEN_UM`].
