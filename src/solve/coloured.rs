@@ -106,8 +106,10 @@ pub fn likely(all: &[Means], longest_s: f64) -> Vec<Likely> {
         .flat_map(|time_s| SHARES.iter().map(|share| Colour { time_s: *time_s, share: *share }));
     let white = Colour { time_s: TIMES_S[0], share: 0.0 };
     let colours: Vec<Colour> = std::iter::once(white).chain(hanging).collect();
-    let told: Vec<(Colour, Told)> =
-        colours.par_iter().filter_map(|colour| Some((*colour, Told::of(all, *colour)?))).collect();
+    let told = colours
+        .par_iter()
+        .map_init(Matrix::default, |white, colour| Some((*colour, Told::of(all, *colour, white)?)));
+    let told: Vec<(Colour, Told)> = told.flatten_iter().collect();
     let best = told.iter().map(|(_, told)| told.minus_two_ln).min_by(f64::total_cmp);
     let weigh = |told: &Told| best.map_or(0.0, |best| (0.5 * (best - told.minus_two_ln)).exp());
     let weights: f64 = told.iter().map(|(_, told)| weigh(told)).sum();
@@ -126,13 +128,14 @@ struct Told {
 }
 
 impl Told {
-    fn of(all: &[Means], colour: Colour) -> Option<Self> {
+    /// `white` is room for whitened rows.
+    fn of(all: &[Means], colour: Colour, white: &mut Matrix) -> Option<Self> {
         let (mut means, mut taken, mut ln) = (0, 0, 0.0);
         let mut shared: Option<Matrix> = None;
         for one in all {
-            let mut white = one.rows.clone();
+            white.clone_from(&one.rows);
             for arc in &one.arcs {
-                ln += colour.whiten(&mut white, arc);
+                ln += colour.whiten(white, arc);
                 means += arc.means.len();
             }
             let mut gram = white.times_own_transpose();
@@ -172,23 +175,23 @@ impl Colour {
     /// Makes this noise white, of variance 1, in an arc of every row (Kalman); what that adds to `ln |V|`.
     fn whiten(self, rows: &mut Matrix, arc: &ArcOfMeans) -> f64 {
         let next = self.next(arc.every_s);
-        // Share of a surprise that is believed, and its standard deviation, mean after mean.
+        // What is expected next is `keep` of what was expected and `take` of what came; and one over the deviation of a surprise.
         let (mut steps, mut ln) = (Vec::with_capacity(arc.means.len()), 0.0);
         let mut variance = self.share;
         for _ in arc.means.clone() {
             let whole = variance + 1.0 - self.share;
             let gain = variance / whole;
-            steps.push((gain, whole.sqrt().recip()));
+            steps.push((next * (1.0 - gain), next * gain, whole.sqrt().recip()));
             ln += whole.ln();
             variance = next * next * variance * (1.0 - gain) + (1.0 - next * next) * self.share;
         }
         for row in 0..rows.rows() {
             let mut expected = 0.0;
             let values = &mut rows.row_mut(row)[arc.means.clone()];
-            for (value, (gain, over_sigma)) in values.iter_mut().zip(&steps) {
-                let surprise = *value - expected;
-                expected = next * (expected + gain * surprise);
-                *value = surprise * over_sigma;
+            for (value, (keep, take, over_sigma)) in values.iter_mut().zip(&steps) {
+                let came = *value;
+                *value = (came - expected) * over_sigma;
+                expected = keep * expected + take * came;
             }
         }
         ln

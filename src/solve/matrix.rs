@@ -14,11 +14,23 @@ use super::vector::dot;
 /// A dense matrix of `f64`, stored row after row.
 ///
 /// The unit of an element is the business of whoever made it.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, PartialEq, Default)]
 pub struct Matrix {
     rows: usize,
     columns: usize,
     data: Vec<f64>,
+}
+
+impl Clone for Matrix {
+    fn clone(&self) -> Self {
+        Self { rows: self.rows, columns: self.columns, data: self.data.clone() }
+    }
+
+    /// In the room that it has.
+    fn clone_from(&mut self, other: &Self) {
+        (self.rows, self.columns) = (other.rows, other.columns);
+        self.data.clone_from(&other.data);
+    }
 }
 
 impl Matrix {
