@@ -1,8 +1,8 @@
 //! The covariance of a fit by the noises that may have left what it leaves.
 //!
 //! With the rows `J` of a fit, their weights `W`, `A = (J^T W J)^-1`, and the covariance of the noise `S`, that is `A M A`, `M = J^T W
-//! S W J`. An autoregression of what is left has the `S` of all that changes along an arc as fast as the fit cannot follow. What hangs
-//! together for longer the fit takes out of short arcs, and correlations of residuals say nothing of it: of three planes in 15 s each,
+//! S W J`. An autoregression of what is left has the `S` of all that changes faster than the fit can follow. What hangs together for
+//! longer the fit takes out of short arcs, and correlations of residuals say nothing of it: of three planes in 15 s each,
 //! which a noise of 0.24 um had moved by 0.65 um, they told 0.09. So as much is added as [`likely`] noises, white ones with the variance
 //! `s (1 - share)` of a reading and `s share` of the mean of a cell of `n` readings times the root of `n` that hangs together, have
 //! beyond it in the long run. With `p` their likelihoods, `v` their long-run variances, and `v'` that of the autoregression:
@@ -32,8 +32,8 @@ const CELL_S: f64 = 0.1;
 /// And longer where there were more of them than this: arcs last some hundred cells then, ten times as long as what a fit of them
 /// bends in, and what noise does within one is white to it.
 const MOST_CELLS: f64 = 2048.0;
-/// Noise of readings hangs together for a second. Of what a fit has taken out the longest time is told that is possible, and were
-/// that a second, half of all noise of a second were told too small: so long, s.
+/// Noise of readings hangs together for a second. What a fit has taken out is as likely to have lasted for longer, and the average
+/// over all times has what there is in its middle: with a second for the longest, noise of a second comes to 0.92 of its sigmas. s.
 const LONGEST_S: f64 = 2.0;
 /// Less than this part of a variance changes no digit that is told.
 const NEGLIGIBLE: f64 = 1e-9;
