@@ -50,24 +50,28 @@ fn a_channel_explains_what_the_columns_explain() {
     }
 }
 
+/// Also where a run has a second left.
 #[test]
 fn a_knock_is_found_in_its_run_at_its_moment() {
-    let mut step = element("knock:on=EXt,moment_s=70");
-    step.owner = Owner::One { repeat: 1, run: 0 };
-    let residuals = with(&step, 2e-3);
-    let alone = residuals.alone();
-    let cause = step.shape().unwrap().cause;
-    let found = knock::candidates(cause, &alone);
-    let best = found.iter().max_by(|a, b| a.gain_mm2.total_cmp(&b.gain_mm2)).unwrap();
-    assert_eq!(best.element.owner, step.owner);
-    let shape = best.element.shape().unwrap();
-    assert_eq!(shape.seat, Seat::parse("EXt").unwrap());
-    assert!((shape.inner.unwrap() - 70.0).abs() < 0.11, "{shape:?}");
-    // The sums back from the end of the run are those of the column.
-    let exact = fit(&alone, vec![best.element.clone()]).unwrap();
-    assert!((best.gain_mm2 / exact.gain_mm2 - 1.0).abs() < 1e-4);
-    let sigma_mm = NOISE_MM * exact.inverse[(0, 0)].sqrt();
-    assert!((exact.amplitudes[0][0] - 2e-3).abs() < 4.0 * sigma_mm);
+    let ends_s = residuals(1, || 0.0).repeats[0].samples.last().unwrap().elapsed_s();
+    for (moment_s, size_mm) in [(70.0, 2e-3), (ends_s - 0.95, 10e-3)] {
+        let mut step = element(&format!("knock:on=EXt,moment_s={moment_s}"));
+        step.owner = Owner::One { repeat: 1, run: 0 };
+        let residuals = with(&step, size_mm);
+        let alone = residuals.alone();
+        let cause = step.shape().unwrap().cause;
+        let found = knock::candidates(cause, &alone);
+        let best = found.iter().max_by(|a, b| a.gain_mm2.total_cmp(&b.gain_mm2)).unwrap();
+        assert_eq!(best.element.owner, step.owner);
+        let shape = best.element.shape().unwrap();
+        assert_eq!(shape.seat, Seat::parse("EXt").unwrap());
+        assert!((shape.inner.unwrap() - moment_s).abs() < 0.11, "{moment_s}: {shape:?}");
+        // The sums back from the end of the run are those of the column.
+        let exact = fit(&alone, vec![best.element.clone()]).unwrap();
+        assert!((best.gain_mm2 / exact.gain_mm2 - 1.0).abs() < 1e-4);
+        let sigma_mm = NOISE_MM * exact.inverse[(0, 0)].sqrt();
+        assert!((exact.amplitudes[0][0] - size_mm).abs() < 4.0 * sigma_mm);
+    }
 }
 
 #[test]
