@@ -116,6 +116,8 @@ def likely_beside(fit: ballbar.Identification, problem: ballbar.Problem, jacobia
     beyond = (variance * (1.0 - parts) + lasting).sum() - long_run
     if beyond <= 0.0:
         return np.zeros(lags.size)
+    pieces = sum(len(arc) for arc in arcs) * (variance * parts).sum() / lasting.sum()
+    beyond *= min(1.0, directions.shape[1] / pieces)
     by_lag = (variance * parts) @ np.exp(-np.outer(1.0 / times, lags * every_s))
     return np.asarray(beyond / lasting.sum() * by_lag / size)
 

@@ -5,14 +5,16 @@
 //! longer the fit takes out of short arcs, and correlations of residuals say nothing of it: of three planes in 15 s each,
 //! which a noise of 0.24 um had moved by 0.65 um, they told 0.09. So as much is added as [`likely`] noises, white ones with the variance
 //! `s (1 - share)` of a reading and `s share` of the mean of a cell of `n` readings times the root of `n` that hangs together, have
-//! beyond it in the long run. With `p` their likelihoods, `v` their long-run variances, and `v'` that of the autoregression:
+//! beyond it in the long run. With `p` their likelihoods, `v` their long-run variances, `l` that of what hangs together, and `v'` that
+//! of the autoregression:
 //!
 //! ```text
-//! M = J^T W S W J + f sum_i p_i s_i share_i / n  Z^T K_i Z,      f sum_i p_i s_i (v of what hangs together) = sum_i p_i v_i - v'
+//! M = J^T W S W J + f sum_i p_i s_i share_i / n  Z^T K_i Z,      f sum_i p_i l_i = d (sum_i p_i v_i - v')
 //! ```
 //!
 //! where that is above 0, with `Z` the sums of the rows `W J` over each cell and `K_i` the correlations `exp(-t / tau_i)` of the cells
-//! of a stretch. It is never less than the autoregression alone has it.
+//! of a stretch. `d`, 1 at the most, is the share of what hangs together that the fit has taken out: as many directions as it has
+//! over as many pieces as are independent. What is left of it tells the autoregression. It is never less than that alone has it.
 
 use std::ops::Range;
 
@@ -69,8 +71,10 @@ impl Fit<'_> {
         let runs = (0..self.runs.len()).into_par_iter();
         let cells = runs.map(|index| self.cells(index, &left_mm[index], cell_s, noise));
         let cells: Vec<Cells> = cells.collect::<Result<_>>()?;
-        let noises = likely(&[self.means(&cells, solution)], LONGEST_S);
-        let filtered = cells.into_iter().map(|of| of.with_what_lasts(&noises, noise));
+        let means = [self.means(&cells, solution)];
+        let noises = likely(&means, LONGEST_S);
+        let taken_out = means[0].own as f64 / means[0].rows.columns().max(1) as f64;
+        let filtered = cells.into_iter().map(|of| of.with_what_lasts(&noises, noise, taken_out));
         solution.covariance_sandwich(&filtered.collect::<Result<Vec<_>>>()?)
     }
 
@@ -160,17 +164,26 @@ impl Fit<'_> {
 }
 
 impl Cells {
-    /// The filtered rows, with those of what likely noises have beyond the autoregression.
-    fn with_what_lasts(self, noises: &[Likely], noise: &NoiseModel) -> Result<Triangle> {
+    /// The filtered rows, with those of what likely noises have beyond the autoregression; so many directions are taken out, of
+    /// each mean.
+    fn with_what_lasts(
+        self,
+        noises: &[Likely],
+        noise: &NoiseModel,
+        taken_out: f64,
+    ) -> Result<Triangle> {
         let of_all = |of: &dyn Fn(&Likely) -> f64| -> f64 {
             noises.iter().map(|noise| noise.weight * noise.variance * of(noise)).sum()
         };
         let white_mm2 = of_all(&|noise| 1.0 - noise.colour.share);
         let lasting_mm2 = of_all(&|noise| noise.colour.long_run(self.every_s)) - white_mm2;
-        let beyond_mm2 = white_mm2 + lasting_mm2 - noise.long_run_variance();
-        if beyond_mm2 <= 0.0 || lasting_mm2 <= 0.0 {
+        let apart_mm2 = white_mm2 + lasting_mm2 - noise.long_run_variance();
+        if apart_mm2 <= 0.0 || lasting_mm2 <= 0.0 {
             return Ok(self.filtered);
         }
+        // Of what lasts as many means as this hang together.
+        let together = lasting_mm2 / of_all(&|noise| noise.colour.share);
+        let beyond_mm2 = (taken_out * together).min(1.0) * apart_mm2;
         let mut rows = Tsqr::of(&self.filtered);
         let one_time = |a: &Likely, b: &Likely| a.colour.time_s.total_cmp(&b.colour.time_s).is_eq();
         for of_time in noises.chunk_by(one_time) {
