@@ -97,7 +97,9 @@ def likely_beside(fit: ballbar.Identification, problem: ballbar.Problem, jacobia
     for time_s, part in noises:
         row = part * np.exp(-lags * every_s / time_s)
         row[0] = 1.0
-        normal, along, square, log, count = 0.0, 0.0, 0.0, 0.0, -directions.shape[1]
+        own = directions.shape[1]
+        normal, along = np.zeros((own, own)), np.zeros((own, 1))
+        square, log, count = 0.0, 0.0, -own
         for arc in arcs:
             root = np.linalg.cholesky(toeplitz(row[: len(arc)]))
             x, e = np.split(solve_triangular(root, arc, lower=True), [-1], axis=1)
