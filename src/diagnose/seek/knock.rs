@@ -8,8 +8,8 @@ use crate::model::{Cause, Form, Runs, Seat, Shape};
 use crate::residual::{Beside, Element, Owner};
 use crate::solve::dot;
 
-/// A step needs so many samples of a run on either side: of two readings that went wrong it is none, and whether so few readings say
-/// enough is for what counts to decide.
+/// A step needs so many samples of a run on either side: two readings that went wrong, one after the other, are fewer than half of
+/// them. Whether so few say enough is for what counts to decide.
 const FEWEST: usize = 5;
 
 /// Runs that have a step in common: repeat and run of each.
