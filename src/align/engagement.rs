@@ -7,7 +7,6 @@ use super::run::{Rig, Run};
 use crate::error::{Error, Kind, Place, Result};
 use crate::log::Log;
 use crate::motion::{BlockKind, Trajectory};
-use crate::plan::BallBar;
 
 /// A stretch of program time during which the bar reads.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,32 +77,74 @@ pub(super) fn expected(trajectory: &Trajectory, rig: &Rig) -> Vec<Engagement> {
     engagements
 }
 
-/// The stretches of a log in which the bar reads, as ranges of sample indices.
+/// The stretches of a log in which the bar reads, as ranges of sample indices: the ways to take its gaps, the likeliest first.
 ///
-/// A gap between two readings that are both well inside the range is a dropout, not a release: at a
-/// release the last reading is on the ramp. What ran through the range until then was not engaged.
-pub(super) fn observed(log: &Log, bar: &BallBar) -> Vec<Range<usize>> {
-    let reading = |index: usize| log.readings()[index].deviation_mm.unwrap_or(0.0).abs();
-    // By how much the last two readings of a stretch differ, mm.
-    let runs_mm = |stretch: &Range<usize>| {
-        let read = log.readings()[stretch.clone()].iter().rev();
-        let mut last = read.filter_map(|reading| reading.deviation_mm).take(2);
-        Some((last.next()? - last.next()?).abs())
+/// A gap between two readings that are both well inside the range is a dropout, not a release: at a release the last
+/// reading is on the ramp. A ramp that is over between two readings leaves none on it, though; then the time tells: a
+/// dropout is shorter than the program's shortest way out of the range and back. What lasts but a moment is one wherever
+/// the bar reads, and, where nothing else comes out, what is longer too.
+pub(super) fn observed(run: &Run) -> Vec<Vec<Range<usize>>> {
+    let (log, range_mm) = (run.log, run.rig.bar.range_mm);
+    let reading_mm = |index: usize| log.readings()[index].deviation_mm.unwrap_or(0.0).abs();
+    let lasts_s =
+        |gap: &Range<usize>| log.readings()[gap.end].time_s - log.readings()[gap.start].time_s;
+    let inside = |gap: &Range<usize>| {
+        [gap.start, gap.end].iter().all(|&k| reading_mm(k) < WELL_INSIDE * range_mm)
     };
+    // The feed may have been one and a half times what is stated.
+    let shortest_s = 0.5 * shortest_way_out_s(run);
+    let is_short = |gap: &Range<usize>| lasts_s(gap) < shortest_s;
+    let is_moment = |gap: &Range<usize>| lasts_s(gap) < shortest_s.min(MOMENT_S);
+    let runs = |stretch: &Range<usize>| is_on_ramp(log, stretch, range_mm);
+    let ways = [
+        joined(log, |of, gap| is_moment(gap) || inside(gap) && (is_short(gap) || !runs(of))),
+        joined(log, |_, gap| is_moment(gap) || inside(gap) && is_short(gap)),
+        joined(log, |_, gap| is_short(gap)),
+    ];
+    let mut different: Vec<Vec<Range<usize>>> = Vec::new();
+    for way in ways {
+        if !different.contains(&way) {
+            different.push(way);
+        }
+    }
+    different
+}
+
+/// Readings nearer to the middle of the range than this share of it are on no ramp's way out.
+const WELL_INSIDE: f64 = 0.25;
+/// From the operator's hand on the bar to the program that engages it, and back, it takes him longer than this, s.
+const MOMENT_S: f64 = 1.0;
+
+/// Whether the last two readings of a stretch differ as on a ramp: what ran through the range was not engaged.
+fn is_on_ramp(log: &Log, stretch: &Range<usize>, range_mm: f64) -> bool {
+    let read = log.readings()[stretch.clone()].iter().rev();
+    let mut last = read.filter_map(|reading| reading.deviation_mm);
+    let differ_mm = last.next().zip(last.next()).map(|(last, before)| (last - before).abs());
+    differ_mm.is_none_or(|mm| mm >= 0.1 * range_mm)
+}
+
+/// The stretches, those joined that a dropout parts: of a stretch and the gap behind it, from its last reading to the next.
+fn joined(
+    log: &Log,
+    is_dropout: impl Fn(&Range<usize>, &Range<usize>) -> bool,
+) -> Vec<Range<usize>> {
     let mut stretches: Vec<Range<usize>> = Vec::new();
     for interval in log.in_range_intervals() {
         match stretches.last_mut() {
-            Some(last)
-                if runs_mm(last).is_some_and(|mm| mm < 0.1 * bar.range_mm)
-                    && reading(last.end - 1) < 0.25 * bar.range_mm
-                    && reading(interval.start) < 0.25 * bar.range_mm =>
-            {
+            Some(last) if is_dropout(last, &(last.end - 1..interval.start)) => {
                 last.end = interval.end;
             }
             _ => stretches.push(interval),
         }
     }
     stretches
+}
+
+/// The shortest time for which a program takes the bar out of its range between two engagements, s; unbounded with one.
+fn shortest_way_out_s(run: &Run) -> f64 {
+    let engagements = expected(&run.trajectory(run.feed_override), &run.rig);
+    let out_s = engagements.windows(2).map(|pair| pair[1].start_s - pair[0].end_s);
+    out_s.fold(f64::INFINITY, f64::min)
 }
 
 /// How far a log's duration may be from the program's before it is another program's, as a share:

@@ -80,16 +80,11 @@ fn said_to_be_cut_off(error: Error, run: &Run, limits: &[Limit]) -> Error {
 }
 
 fn aligned(run: &Run) -> Result<Alignment> {
-    let observed = engagement::observed(run.log, run.rig.bar);
-    let (mut draft, excess) = match at_real_feed(run, &observed) {
-        Ok(found) => found,
-        // A ramp that is over between two readings leaves none on it: what looks like a dropout is a release.
-        Err(error) => {
-            let apart = run.log.in_range_intervals();
-            let other = if apart == observed { None } else { at_real_feed(run, &apart).ok() };
-            other.ok_or(error)?
-        }
-    };
+    let mut ways = engagement::observed(run).into_iter();
+    let first = ways.next().unwrap_or_default();
+    let found = at_real_feed(run, &first);
+    let (mut draft, excess) =
+        found.or_else(|error| ways.find_map(|way| at_real_feed(run, &way).ok()).ok_or(error))?;
     draft.find_pauses(run.log);
     draft.time_map.override_excess = excess.share;
     draft.time_map.override_sigma = excess.sigma;

@@ -149,15 +149,11 @@ fn in_range_s(log: &Log) -> f64 {
 }
 
 fn judge(run: &Run, trajectory: &Trajectory, expected: &[Engagement]) -> Verdict {
-    let observed = engagement::observed(run.log, run.rig.bar);
-    let Ok(paired) = engagement::pair(
-        run.log,
-        expected,
-        &observed,
-        trajectory,
-        run.feed_override,
-        engagement::DURATION_TOLERANCE,
-    ) else {
+    let paired = |observed: &Vec<Range<usize>>| {
+        let (tolerance, feed) = (engagement::DURATION_TOLERANCE, run.feed_override);
+        engagement::pair(run.log, expected, observed, trajectory, feed, tolerance).ok()
+    };
+    let Some(paired) = engagement::observed(run).iter().find_map(paired) else {
         return Verdict::OfAnotherTime;
     };
     let stretches = &paired.stretches;

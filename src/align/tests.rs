@@ -9,8 +9,9 @@ use rand_pcg::Pcg64Mcg;
 
 mod chords;
 mod clipped;
+mod dropouts;
 
-use super::engagement::{DURATION_TOLERANCE, expected, observed, pair};
+use super::engagement::expected;
 use super::section::sections;
 use super::*;
 use crate::error::{Kind, Result};
@@ -34,12 +35,17 @@ struct Bench {
 }
 
 impl Bench {
-    /// With what stands in `[plan]` beside the feed.
+    /// With what stands in `[plan]` beside a feed of 1500 mm/min.
     fn new(plan: &str) -> Self {
+        Self::fed(1500, plan)
+    }
+
+    /// The same at so many mm/min.
+    fn fed(feed_mm_min: u32, plan: &str) -> Self {
         let text = format!(
             "name = \"Bench\"\nmachine = \"hu40t.toml\"\n[ball_bar]\nlength_mm = 150.0\n\
              [[mounting]]\nname = \"A\"\ncoincidence_mm = [20.0, -35.0, 40.0]\n\
-             tool_ball_mm = [0.0, 0.0, -200.0]\n[plan]\nfeed_mm_min = 1500.0\n{plan}"
+             tool_ball_mm = [0.0, 0.0, -200.0]\n[plan]\nfeed_mm_min = {feed_mm_min}.0\n{plan}"
         );
         let test = Test::parse(&text, Path::new("bench.toml")).unwrap();
         let machine = Machine::read(Path::new("machines/hu40t.toml")).unwrap();
@@ -65,13 +71,11 @@ impl Bench {
     }
 
     fn aligned(&self, log: &Log) -> Result<Alignment> {
-        align(&Run {
-            log,
-            program: &self.program,
-            rig: self.rig(),
-            feed_override: 1.0,
-            driven: None,
-        })
+        align(&self.run_of(log))
+    }
+
+    fn run_of<'a>(&'a self, log: &'a Log) -> Run<'a> {
+        Run { log, program: &self.program, rig: self.rig(), feed_override: 1.0, driven: None }
     }
 }
 
@@ -220,41 +224,6 @@ fn an_engagement_lasts_from_one_edge_of_the_range_to_the_other() {
     }
     let inside = |k: i32| engagement.start_s + engagement.duration_s() * f64::from(k) / 500.0;
     assert!((1..500).all(|k| at(inside(k)) < bench.bar.range_mm));
-}
-
-/// Readings that drop out on an arc do not release the bar, and the operator's hand does not engage it.
-#[test]
-fn the_stretch_of_the_program_is_told_from_gaps_and_from_the_hand() {
-    let bench = Bench::new(ARCS);
-    let run = bench.simulated(&Scenario::default());
-    let csv = run.csv();
-    let whole = log_of(&csv);
-    let trajectory = bench.trajectory();
-    let engagements = expected(&trajectory, &bench.rig());
-    let expected_stretch = {
-        let found = observed(&whole, &bench.bar);
-        pair(&whole, &engagements, &found, &trajectory, 1.0, DURATION_TOLERANCE).unwrap().stretches
-    };
-    let engaged = expected_stretch[0].clone();
-    let changed = csv.lines().enumerate().map(|(k, line)| {
-        let index = k.wrapping_sub(2);
-        let middle = engaged.start.midpoint(engaged.end);
-        match line.split_once(',') {
-            // Two lines of heading. The hand holds the bar for a second before the program does.
-            Some((time, _)) if k >= 2 && (3..13).contains(&index) => format!("{time},350.0\n"),
-            Some((time, _)) if k >= 2 && (middle..middle + 20).contains(&index) => {
-                format!("{time},\n")
-            }
-            _ => format!("{line}\n"),
-        }
-    });
-    let changed = log_of(&changed.collect::<String>());
-    let found = observed(&changed, &bench.bar);
-    assert_eq!(found.len(), 2, "{found:?}");
-    let paired =
-        pair(&changed, &engagements, &found, &trajectory, 1.0, DURATION_TOLERANCE).unwrap();
-    assert_eq!(paired.stretches, expected_stretch);
-    assert!(paired.beside.is_empty());
 }
 
 #[test]
