@@ -49,26 +49,26 @@ pub(super) fn cautions(
             "{far_off} reading(s) lie farther off than {FAR_OFF:.0} times what is usual here and pull the fit with all their weight; `loss = \"huber\"` or `\"tukey\"` in `[identify]` takes it from them"
         ));
     }
-    // Where times are wrong altogether, neighbours differ by more than chance too.
-    let chance_mm = noise.innovation_sigma().min(options.noise_mm);
     if rms_mm > UNEXPLAINED_MM && !settled {
         cautions.push(format!(
             "the fit has not come to rest and leaves {:.2} um rms: a log may be of another program",
             1e3 * rms_mm
         ));
-    } else if !explains(rms_mm, noise, options) {
+    } else if let Some(times) = beyond_chance(rms_mm, noise, options) {
         cautions.push(format!(
             "the model leaves {:.2} um rms, which is {:.0} times what one reading differs from the next by chance: a log may be of another program, or the machine does what no chosen term describes",
             1e3 * rms_mm,
-            rms_mm / chance_mm
+            times
         ));
     }
     cautions
 }
 
-/// Whether a fit leaves little more than chance.
-fn explains(rms_mm: f64, noise: &NoiseModel, options: &Options) -> bool {
-    rms_mm <= UNEXPLAINED_MM || rms_mm <= PATTERN * noise.innovation_sigma().min(options.noise_mm)
+/// How many times chance a fit leaves; `None` where that is little more than chance.
+pub(super) fn beyond_chance(rms_mm: f64, noise: &NoiseModel, options: &Options) -> Option<f64> {
+    // Where times are wrong altogether, neighbours differ by more than chance too.
+    let chance_mm = noise.innovation_sigma().min(options.noise_mm);
+    (rms_mm > UNEXPLAINED_MM.max(PATTERN * chance_mm)).then(|| rms_mm / chance_mm)
 }
 
 fn step(run: &str, alignment: &Alignment) -> Option<String> {
@@ -94,7 +94,7 @@ fn short(run: &str, alignment: &Alignment) -> Option<String> {
     let before = alignment.sections.get(after.checked_sub(1)?)?;
     (stood_s < -STEP_S).then(|| {
         format!(
-            "{run}: between `{}` and `{}`, {:.1} s are missing from the log",
+            "{run}: between `{}` and `{}`, {:.2} s are missing from the log",
             before.name, alignment.sections[after].name, -stood_s
         )
     })

@@ -108,6 +108,8 @@ pub struct Identification {
     pub runs: Vec<IdentifiedRun>,
     /// Root mean square of the residuals of the samples that were used, mm.
     pub rms_mm: f64,
+    /// How many times chance that is; `None` where it is little more.
+    pub beyond_chance: Option<f64>,
     /// Samples that were used.
     pub used: usize,
     /// Gauss-Newton steps.

@@ -97,6 +97,7 @@ impl Fit<'_> {
             counts_mm,
             condition: shared.spectrum().condition_of(shared.rank()),
             null_directions: shared.spectrum().null_directions(shared.rank(), 0.02),
+            beyond_chance: cautions::beyond_chance(rms_mm, &noise, options),
             noise,
             runs,
             rms_mm,

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::facts::{DiagnosisFacts, FindingFacts};
 use super::owner::OwnerFacts;
 use super::settings::WrongSettingFacts;
-use super::verdict::VerdictFacts;
+use super::verdict::{Left, VerdictFacts};
 use super::{views, words};
 use crate::diagnose::{Diagnosis, Feature, Finding, Owner, Picture, Rival, Separation};
 use crate::identify::Identification;
@@ -41,7 +41,7 @@ impl DiagnosisFacts {
             .map(|wrong| WrongSettingFacts::new(wrong, machine))
             .collect();
         Self {
-            verdict: VerdictFacts::new(diagnosis, &wrong_settings, rms_mm(identifications)),
+            verdict: VerdictFacts::new(diagnosis, &wrong_settings, &Left::of(identifications)),
             foretold: identifications.len() > 1,
             nothing_found: diagnosis.nothing_found(),
             of_all: diagnosis.verdict,
@@ -57,13 +57,6 @@ impl DiagnosisFacts {
             left_out: diagnosis.left_out.clone(),
         }
     }
-}
-
-/// What fits left, root mean square.
-fn rms_mm(identifications: &[Identification]) -> f64 {
-    let used: usize = identifications.iter().map(|of| of.used).sum();
-    let squares: f64 = identifications.iter().map(|of| of.rms_mm.powi(2) * of.used as f64).sum();
-    (squares / used.max(1) as f64).sqrt()
 }
 
 fn finding(

@@ -4,6 +4,7 @@ use serde::{Serialize, Serializer};
 
 use super::settings::WrongSettingFacts;
 use crate::diagnose::{Diagnosis, Finding, OffCause, OffTime, Owner, Structure, Verdict};
+use crate::identify::Identification;
 use crate::report::text::numbers::{fixed, many, percent};
 
 /// Structure of less than so many of its standard deviations may be chance.
@@ -34,19 +35,38 @@ pub struct VerdictFacts {
     pub noise: String,
 }
 
+/// What the fits of a campaign left.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Left {
+    /// Root mean square, mm.
+    fit_mm: f64,
+    /// How many times chance it is, at most; `None` where all leave little more.
+    beyond_chance: Option<f64>,
+}
+
+impl Left {
+    pub(super) fn of(fits: &[Identification]) -> Self {
+        let used: usize = fits.iter().map(|of| of.used).sum();
+        let squares_mm2: f64 = fits.iter().map(|of| of.rms_mm.powi(2) * of.used as f64).sum();
+        Self {
+            fit_mm: (squares_mm2 / used.max(1) as f64).sqrt(),
+            beyond_chance: fits.iter().filter_map(|of| of.beyond_chance).reduce(f64::max),
+        }
+    }
+}
+
 impl VerdictFacts {
-    /// The verdict on a diagnosis with the settings that are stated wrong, in words; `fit_mm` is what the fit left, root
-    /// mean square.
+    /// The verdict on a diagnosis with the settings that are stated wrong, in words, and what the fits left.
     pub(super) fn new(
         diagnosis: &Diagnosis,
         wrong_settings: &[WrongSettingFacts],
-        fit_mm: f64,
+        left: &Left,
     ) -> Self {
         let all = &diagnosis.verdict;
         let something = !diagnosis.findings.is_empty();
         Self {
-            structure: structure(all, something),
-            following: following(all, fit_mm).filter(|_| wrong_settings.is_empty()),
+            structure: structure(all, left, something),
+            following: following(all, left.fit_mm).filter(|_| wrong_settings.is_empty()),
             wrong_settings: wrong_settings.iter().map(setting).collect(),
             off_times: diagnosis.off_times.iter().map(off_time).collect(),
             found: something.then(|| found(&diagnosis.findings)),
@@ -98,7 +118,18 @@ fn um(mm: f64) -> String {
     fixed(mm * 1e3, 3)
 }
 
-fn structure(all: &Verdict, something_found: bool) -> String {
+fn structure(all: &Verdict, left: &Left, something_found: bool) -> String {
+    if let Some(times) = left.beyond_chance.filter(|_| !something_found) {
+        let repeats = all.structure_before.as_ref().map_or_else(
+            || "No program ran twice: its repeatable part is unknown.".to_owned(),
+            |of| format!("Its repeatable part is {} um rms.", rms(of)),
+        );
+        return format!(
+            "The model leaves {} um rms, which is {} times what one reading differs from the next by chance, and no cause was found for it. {repeats}",
+            um(left.fit_mm),
+            fixed(times, 0)
+        );
+    }
     match (&all.structure_before, something_found) {
         (None, false) => format!(
             "Nothing was found that the model does not explain. The residual is {} um rms. No program ran twice: its repeatable part is unknown.",
@@ -222,4 +253,37 @@ fn found(findings: &[Finding]) -> String {
         parts.push(format!("{} without a cause", many(unexplained, "curve")));
     }
     format!("Found: {}.", parts.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_far_beyond_chance_is_not_said_to_be_explained() {
+        let repeats = Structure { variance_mm2: 1e-4, sigma_mm2: 1e-6 };
+        for before in [None, Some(repeats), Some(Structure { sigma_mm2: 1e-3, ..repeats })] {
+            let verdict = Verdict {
+                before_mm: 0.016,
+                after_mm: 0.016,
+                structure_before: before,
+                structure_after: before,
+                neighbours_mm: 1e-4,
+                effective_samples: 10.0,
+                samples: 1000,
+                explained: None,
+                explained_interval: None,
+                smallest_mm: 1e-4,
+            };
+            let of =
+                |beyond_chance| structure(&verdict, &Left { fit_mm: 0.016, beyond_chance }, false);
+            let told = of(Some(108.0));
+            assert!(
+                told.starts_with("The model leaves 16.000 um rms, which is 108 times"),
+                "{told}"
+            );
+            assert!(told.contains("no cause was found for it"), "{told}");
+            assert!(!of(None).contains("no cause was found for it"));
+        }
+    }
 }
