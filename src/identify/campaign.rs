@@ -114,14 +114,14 @@ impl Campaign {
         // Where all that could be laid is explained, it is one of the others that stands elsewhere.
         let any = of.is_ok() && !explained || !apart.contains(&true);
         let possible = |[k, l]: [usize; 2]| any || apart[k] || apart[l];
-        for ([k, l], both) in exchanged::pairs(&all, &possible, test, machine) {
-            let names = [all[k].name.as_str(), all[l].name.as_str()];
-            if apart[k] && apart[l] {
+        for pair in exchanged::pairs(&all, &possible, test, machine) {
+            let names = pair.of.map(|k| all[k].name.as_str());
+            if pair.as_stated && pair.of.iter().all(|k| apart[*k]) {
                 let why = "each fits the other's program, and not its own";
                 return Err(exchanged::error(names, why, test));
             }
             let in_place = |run: &MeasuredRun| {
-                both.iter().find(|other| other.name == run.name).unwrap_or(run).clone()
+                pair.exchanged.iter().find(|other| other.name == run.name).unwrap_or(run).clone()
             };
             let repeats = measured.iter().map(|repeat| {
                 let runs = repeat.runs.iter().filter_map(|run| run.as_ref().ok());
@@ -317,9 +317,24 @@ impl Campaign {
         runs.filter_map(|run| Some(&run.as_ref().ok()?.log))
     }
 
+    /// Runs whose logs hold the same readings: no two runs do that by chance.
+    fn copied(&self) -> Option<String> {
+        let read = self.measured.iter().flat_map(|repeat| &repeat.runs);
+        let runs: Vec<&MeasuredRun> = read.filter_map(|run| run.as_ref().ok()).collect();
+        let first = |k: usize| {
+            let same = |other: &&&MeasuredRun| other.log.has_the_readings_of(&runs[k].log);
+            runs[k + 1..].iter().find(same).map(|other| [runs[k], *other])
+        };
+        let [a, b] = (0..runs.len()).find_map(first)?;
+        Some(format!(
+            "the logs of `{}` and `{}` hold the same readings: one is a copy of the other, and what is said of noise and of what repeats counts it twice; give each run its own log",
+            a.name, b.name
+        ))
+    }
+
     /// What speaks against the fits, none of it twice.
     pub fn cautions(&self) -> Vec<String> {
-        let mut told: Vec<String> = Vec::new();
+        let mut told: Vec<String> = self.copied().into_iter().collect();
         for caution in self.repeats.iter().flat_map(|repeat| &repeat.cautions) {
             if !told.contains(caution) {
                 told.push(caution.clone());

@@ -27,22 +27,37 @@ pub(super) fn as_stated(run: &MeasuredRun, test: &Test, machine: &Machine) -> bo
     aligned.is_ok_and(|run| run.alignment.time_map.override_excess.abs() < OTHER_FEED)
 }
 
-/// Pairs of runs, of those that are `possible`, whose logs both fit the other's program, which is another one.
+/// Two runs whose logs can be laid over each other's program, which is another one.
+pub(super) struct Pair {
+    /// Their indices.
+    pub(super) of: [usize; 2],
+    /// The same with the log of each at the other's program.
+    pub(super) exchanged: [MeasuredRun; 2],
+    /// Whether both were driven at the feed that is stated then.
+    pub(super) as_stated: bool,
+}
+
+/// Pairs of runs, of those that are `possible`, whose logs fit the other's program, at whatever feed.
 pub(super) fn pairs(
     runs: &[&MeasuredRun],
     possible: &dyn Fn([usize; 2]) -> bool,
     test: &Test,
     machine: &Machine,
-) -> Vec<([usize; 2], [MeasuredRun; 2])> {
-    let of = |k: usize| (k + 1..runs.len()).map(move |l| [k, l]);
-    let mut pairs = Vec::new();
-    for [k, l] in (0..runs.len()).flat_map(of).filter(|pair| possible(*pair)) {
-        let differ = runs[k].source != runs[l].source || runs[k].mounting != runs[l].mounting;
-        let both = differ.then(|| exchanged(runs[k], runs[l]));
-        let fits = |runs: &[MeasuredRun; 2]| runs.iter().all(|run| as_stated(run, test, machine));
-        pairs.extend(both.filter(fits).map(|both| ([k, l], both)));
-    }
-    pairs
+) -> Vec<Pair> {
+    let pairs = (0..runs.len()).flat_map(|k| (k + 1..runs.len()).map(move |l| [k, l]));
+    let differ = |[k, l]: [usize; 2]| {
+        runs[k].source != runs[l].source || runs[k].mounting != runs[l].mounting
+    };
+    let pair = |of: [usize; 2]| {
+        let exchanged = exchanged(runs[of[0]], runs[of[1]]);
+        let excess = |run: &MeasuredRun| {
+            let laid = run.aligned(test, machine).ok()?;
+            Some(laid.alignment.time_map.override_excess.abs())
+        };
+        let [a, b] = [excess(&exchanged[0])?, excess(&exchanged[1])?];
+        Some(Pair { of, exchanged, as_stated: a.max(b) < OTHER_FEED })
+    };
+    pairs.filter(|of| possible(*of) && differ(*of)).filter_map(pair).collect()
 }
 
 /// The error: which, and why.

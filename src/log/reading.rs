@@ -57,6 +57,14 @@ impl Log {
         Self::new(&self.file, readings, self.notes.clone()).begun(self.began)
     }
 
+    /// Whether another log has the same readings one after the other, at whatever times.
+    pub fn has_the_readings_of(&self, other: &Self) -> bool {
+        let inside = |reading: &&Reading| reading.deviation_mm.is_some();
+        let (mine, others) = (self.readings.iter(), other.readings.iter());
+        let (mine, others) = (mine.filter(inside), others.filter(inside));
+        mine.map(|reading| reading.deviation_mm).eq(others.map(|reading| reading.deviation_mm))
+    }
+
     /// The same log as it would be with its times and its readings in other units.
     pub(crate) fn scaled(&self, time: f64, reading: f64) -> Self {
         let scaled = |of: &Reading| Reading {

@@ -269,3 +269,22 @@ fn logs_that_stand_at_each_others_run() {
         }
     }
 }
+
+/// Also where the feed is stated wrong, so that no log fits any program as it is listed.
+#[test]
+fn logs_that_stand_at_each_others_run_at_another_feed() {
+    let work = exchanged("planar", "xy", "yz");
+    rewrite(&work, "test.toml", "log = ", "feed_override_percent = 104.0\nlog = ");
+    let message = work.ballbar(&["analyse", "test.toml"]).refused(3);
+    assert!(message.contains("the logs of `yz` and `xy` stand at each other's run"), "{message}");
+}
+
+#[test]
+fn a_log_of_another_run_that_was_copied() {
+    let work = exchanged("planar", "xy", "xy");
+    work.write("xy.csv.gz", std::fs::read(data("planar").join("yz.csv.gz")).unwrap());
+    let told = work.ballbar(&["identify", "test.toml"]).done().stdout();
+    let told = told.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(told.contains("the logs of `xy` and `yz` hold the same readings"), "{told}");
+    assert!(told.contains("a log may be of another program"), "{told}");
+}
