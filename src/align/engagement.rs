@@ -81,8 +81,8 @@ pub(super) fn expected(trajectory: &Trajectory, rig: &Rig) -> Vec<Engagement> {
 ///
 /// A gap between two readings that are both well inside the range is a dropout, not a release: at a release the last
 /// reading is on the ramp. A ramp that is over between two readings leaves none on it, though; then the time tells: a
-/// dropout is shorter than the program's shortest way out of the range and back. What lasts but a moment is one wherever
-/// the bar reads, and, where nothing else comes out, what is longer too.
+/// dropout is shorter than the program's shortest way out of the range and back. Where nothing else comes out such a gap is
+/// one wherever the bar reads, but first not: a bar that is fitted at the edge of its range reads until it is engaged.
 pub(super) fn observed(run: &Run) -> Vec<Vec<Range<usize>>> {
     let (log, range_mm) = (run.log, run.rig.bar.range_mm);
     let reading_mm = |index: usize| log.readings()[index].deviation_mm.unwrap_or(0.0).abs();
@@ -94,11 +94,10 @@ pub(super) fn observed(run: &Run) -> Vec<Vec<Range<usize>>> {
     // The feed may have been one and a half times what is stated.
     let shortest_s = 0.5 * shortest_way_out_s(run);
     let is_short = |gap: &Range<usize>| lasts_s(gap) < shortest_s;
-    let is_moment = |gap: &Range<usize>| lasts_s(gap) < shortest_s.min(MOMENT_S);
     let runs = |stretch: &Range<usize>| is_on_ramp(log, stretch, range_mm);
     let ways = [
-        joined(log, |of, gap| is_moment(gap) || inside(gap) && (is_short(gap) || !runs(of))),
-        joined(log, |_, gap| is_moment(gap) || inside(gap) && is_short(gap)),
+        joined(log, |of, gap| inside(gap) && (is_short(gap) || !runs(of))),
+        joined(log, |_, gap| inside(gap) && is_short(gap)),
         joined(log, |_, gap| is_short(gap)),
     ];
     let mut different: Vec<Vec<Range<usize>>> = Vec::new();
@@ -112,8 +111,6 @@ pub(super) fn observed(run: &Run) -> Vec<Vec<Range<usize>>> {
 
 /// Readings nearer to the middle of the range than this share of it are on no ramp's way out.
 const WELL_INSIDE: f64 = 0.25;
-/// From the operator's hand on the bar to the program that engages it, and back, it takes him longer than this, s.
-const MOMENT_S: f64 = 1.0;
 
 /// Whether the last two readings of a stretch differ as on a ramp: what ran through the range was not engaged.
 fn is_on_ramp(log: &Log, stretch: &Range<usize>, range_mm: f64) -> bool {

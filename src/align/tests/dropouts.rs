@@ -47,6 +47,26 @@ fn the_stretch_of_the_program_is_told_from_gaps_and_from_the_hand() {
     assert!(paired.beside.is_empty());
 }
 
+/// A bar that is fitted while the machine waits just inside its range reads until the program begins to move.
+#[test]
+fn a_bar_that_reads_while_the_machine_waits() {
+    let bench = Bench::new(ARCS);
+    let run = bench.simulated(&Scenario::default());
+    let csv = run.csv();
+    let whole = log_of(&csv);
+    let engaged = bench.aligned(&whole).unwrap().samples()[0].log_s;
+    let waiting = csv.lines().map(|line| match line.split_once(',') {
+        Some((time, "")) if time.parse().is_ok_and(|s: f64| (4.0..engaged - 0.3).contains(&s)) => {
+            format!("{time},996.0\n")
+        }
+        _ => format!("{line}\n"),
+    });
+    let waiting = log_of(&waiting.collect::<String>());
+    assert!(waiting.in_range_intervals()[0].len() > 10);
+    let found = bench.aligned(&waiting).unwrap();
+    assert_eq!(found.samples(), bench.aligned(&whole).unwrap().samples());
+}
+
 /// At 10 readings a second and 2450 mm/min the ramp of a release may be over between two readings: the bar reads as on the arc
 /// until it is out. One reading that is missing is too short for the way out and back, also where the balls are set up so far
 /// off that the arc reads as a ramp does.
