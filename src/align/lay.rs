@@ -7,7 +7,7 @@ use super::draft::Draft;
 use super::engagement;
 use super::ramp::{Mark, MarkKind, UNEQUAL_DELAY_S};
 use super::run::Run;
-use super::samples::{Alignment, Part};
+use super::samples::{Alignment, Part, Sample};
 use super::time_map::{EXCESS_S, TimeMap};
 use crate::error::{Error, Kind, Place, Result};
 use crate::log::Log;
@@ -43,6 +43,7 @@ pub fn align(run: &Run) -> Result<Alignment> {
         let as_it_stood = |laid: &Alignment| {
             let stood = limits.iter().map(|limit| stood_at(laid, run.log, limit));
             stood.enumerate().all(|(k, stood)| stood != is_taken_out(k))
+                && !some.iter().any(|limit| is_elsewhere(laid, run, limit))
         };
         if laid.as_ref().is_ok_and(as_it_stood) {
             return laid;
@@ -57,10 +58,22 @@ pub fn align(run: &Run) -> Result<Alignment> {
 /// it moved they are not too many.
 fn stood_at(laid: &Alignment, log: &Log, limit: &Limit) -> bool {
     let stands = |part: &Part| matches!(part, Part::Dwell | Part::Stop);
-    let (stood, moved): (Vec<Part>, Vec<Part>) =
-        laid.parts_at(log, limit.at_mm).into_iter().partition(stands);
-    let next = laid.parts_at(log, limit.next_mm).into_iter().filter(|part| !stands(part));
+    let parts = |mm: f64| laid.readings_at(log, mm).0.into_iter().map(|sample| sample.part);
+    let (stood, moved): (Vec<Part>, Vec<Part>) = parts(limit.at_mm).partition(stands);
+    let next = parts(limit.next_mm).filter(|part| !stands(part));
     !stood.is_empty() && !Limit::is_piled(moved.len(), next.count())
+}
+
+/// Whether most readings at a limit are laid where the program holds the balls as far off the other way: nothing was cut off
+/// there, and the bar was engaged before.
+fn is_elsewhere(laid: &Alignment, run: &Run, limit: &Limit) -> bool {
+    let (engaged, others) = laid.readings_at(run.log, limit.at_mm);
+    let off_mm = |sample: &Sample| {
+        let position_mm = laid.trajectory.at(sample.program_s).position_mm;
+        run.rig.commanded_deviation_mm(&position_mm) * limit.at_mm.signum()
+    };
+    let elsewhere = others.iter().filter(|sample| off_mm(sample) < -0.5 * run.rig.bar.range_mm);
+    2 * elsewhere.count() > engaged.len() + others.len()
 }
 
 /// That readings are at a limit, where they cannot be laid over their program.

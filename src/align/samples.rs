@@ -125,8 +125,8 @@ impl Alignment {
         self.laid(self.engaged.readings(&self.slips), false, &self.following(0.0))
     }
 
-    /// In what parts of the program readings of a log are exactly this, mm, while the bar was engaged.
-    pub(super) fn parts_at(&self, log: &Log, at_mm: f64) -> Vec<Part> {
+    /// Where the readings of a log that are exactly this, mm, are laid: those while the bar was engaged, and the others.
+    pub(super) fn readings_at(&self, log: &Log, at_mm: f64) -> (Vec<Sample>, Vec<Sample>) {
         let is_at = |reading: &&Reading| {
             reading.deviation_mm.is_some_and(|mm| mm.total_cmp(&at_mm).is_eq())
         };
@@ -134,8 +134,7 @@ impl Alignment {
             self.engagements.iter().any(|e| (e.start_s..=e.end_s).contains(&sample.program_s))
         };
         let readings = log.readings().iter().filter(is_at).copied();
-        let laid = self.laid(readings, false, &self.following(0.0)).into_iter();
-        laid.filter(engaged).map(|sample| sample.part).collect()
+        self.laid(readings, false, &self.following(0.0)).into_iter().partition(engaged)
     }
 
     /// The values that readings on arcs were cut off at, mm, each with how many.

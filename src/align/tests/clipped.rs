@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::*;
 use crate::log::Reading;
-use crate::model::ErrorFunctions;
+use crate::model::{Effect, ErrorFunctions};
 use crate::simulate::Noise;
 
 /// The ball stands off towards where the machine dwells between the two ways of the equator: it reads least there, one value
@@ -32,5 +32,34 @@ fn a_machine_may_stand_at_the_lowest_reading() {
         let alignment = bench.aligned(&log).unwrap();
         assert_eq!(standing(&alignment.clipped), 0, "seed {seed}");
         assert!(worst_sigmas(&alignment, &run) < 3.0, "seed {seed}");
+    }
+}
+
+/// Friction holds X back where the machine waits for the path to begin, and nowhere else is the reading as low. Without it the
+/// bar would seem to be engaged by the path, and a feed of another percent made up for what is missing.
+#[test]
+fn a_bar_that_is_engaged_at_its_lowest_reading_was_engaged() {
+    let bench = Bench::fed(900, "strategy = \"3d6\"\n");
+    for (seed, feed_override) in [(1, 1.0), (2, 1.02), (3, 0.97)] {
+        let scenario = Scenario {
+            workpiece_ball_mm: Vector3::new(0.045, 0.0, 0.0),
+            errors: ErrorFunctions::default(),
+            tool_ball_mm: Vector3::zeros(),
+            noise: Noise { white_mm: 2e-5, ..Noise::OFF },
+            sample_rate_hz: Some(50.0),
+            resolution_mm: Some(1e-3),
+            hidden: vec![
+                Effect::parse("stick-slip:on=X,amplitude_um=-258,speed_mm_min=13").unwrap(),
+            ],
+            feed_override,
+            ..Scenario::default().with_seed(seed)
+        };
+        let run = bench.simulated(&scenario);
+        let alignment = bench.aligned(&log_of(&run.csv())).unwrap();
+        let engaged = alignment.marks.iter().find(|mark| mark.kind == MarkKind::Engagement);
+        assert!(engaged.unwrap().samples > 0, "seed {seed}");
+        // What friction does to the ramp moves it by some hundredths of a second.
+        let share = 1.0 + alignment.time_map.override_excess;
+        assert!((share / feed_override - 1.0).abs() < 1e-3, "seed {seed}: {share}");
     }
 }
