@@ -127,10 +127,15 @@ impl Campaign {
                 let runs = repeat.runs.iter().filter_map(|run| run.as_ref().ok());
                 runs.map(in_place).collect()
             });
-            let Ok(other) = Self::of_measured(test, machine, repeats.collect(), Failure::LeaveOut)
-            else {
-                continue;
+            let repeats: Vec<Vec<MeasuredRun>> = repeats.collect();
+            let worth_it = match &of {
+                Ok(of) => exchanged::may_leave_less(&repeats, of, test, machine).unwrap_or(true),
+                Err(_) => pair.as_stated,
             };
+            let other = worth_it
+                .then(|| Self::of_measured(test, machine, repeats, Failure::LeaveOut))
+                .transpose();
+            let Ok(Some(other)) = other else { continue };
             let exchanged_mm = other.rms_mm();
             let (as_listed_mm, left_out) = match &of {
                 Ok(campaign) => (campaign.rms_mm(), campaign.left_out.len()),

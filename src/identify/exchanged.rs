@@ -1,8 +1,13 @@
 //! Logs that stand at each other's runs.
 
+use rayon::prelude::*;
+
+use super::campaign::Campaign;
+use super::fit::leaves_roughly_mm;
+use super::input::{Options, RunInput};
 use super::measured::MeasuredRun;
 use super::result::IdentifiedRun;
-use crate::error::{Error, Kind};
+use crate::error::{Error, Kind, Result};
 use crate::machine::Machine;
 use crate::plan::Test;
 
@@ -58,6 +63,28 @@ pub(super) fn pairs(
         Some(Pair { of, exchanged, as_stated: a.max(b) < OTHER_FEED })
     };
     pairs.filter(|of| possible(*of) && differ(*of)).filter_map(pair).collect()
+}
+
+/// Whether logs that were exchanged may leave less than the fits of a campaign do where they stand, as far as a first look
+/// tells: at each other's run by mistake they leave much more, and no second look is worth its time.
+pub(super) fn may_leave_less(
+    repeats: &[Vec<MeasuredRun>],
+    campaign: &Campaign,
+    test: &Test,
+    machine: &Machine,
+) -> Result<bool> {
+    let options = Options::of(test);
+    let model = campaign.model(test, machine, 0)?;
+    let left = repeats.par_iter().map(|runs| {
+        let laid = runs.iter().map(|run| run.aligned(test, machine));
+        let laid: Vec<RunInput> = laid.collect::<Result<_>>()?;
+        let used: usize = laid.iter().map(|run| run.samples().len()).sum();
+        Ok((leaves_roughly_mm(&model, laid, &options)?.powi(2), used as f64))
+    });
+    let left: Vec<(f64, f64)> = left.collect::<Result<_>>()?;
+    let (squares_mm2, used) =
+        left.iter().fold((0.0, 0.0), |sum, (mm2, used)| (sum.0 + mm2 * used, sum.1 + used));
+    Ok(squares_mm2 < campaign.rms_mm().powi(2) * used)
 }
 
 /// The error: which, and why.

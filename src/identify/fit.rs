@@ -65,6 +65,23 @@ pub(super) fn leaves_mm(model: &Model, runs: Vec<RunInput>, options: &Options) -
     Ok(fit.state.sigma_mm)
 }
 
+/// The same as far as the smooth path tells, without the way to its chords: a first look, in a part of the time.
+///
+/// # Errors
+/// As for [`identify`].
+pub(super) fn leaves_roughly_mm(
+    model: &Model,
+    runs: Vec<RunInput>,
+    options: &Options,
+) -> Result<f64> {
+    let mut fit = Fit::of(model, runs, options);
+    fit.check_enough()?;
+    fit.state.taking = fit.state.seeks();
+    fit.runs.iter_mut().for_each(|run| run.alignment.look_up_means());
+    fit.iterate(timing::Detail::Smooth)?;
+    Ok(fit.state.sigma_mm)
+}
+
 /// Identifies runs from where an identification of them came to rest: with a model or readings that hardly differ from its own.
 ///
 /// # Errors
