@@ -27,7 +27,7 @@ pub(super) struct Limit {
 impl Limit {
     /// Whether so many readings at the limit are too many beside those at the next value.
     pub(super) fn is_piled(at: usize, next: usize) -> bool {
-        at >= FEWEST && at > PILED * next
+        at > PILED * next
     }
 }
 
@@ -42,7 +42,9 @@ pub(super) fn limits(log: &Log) -> Vec<Limit> {
     let limit = |(outermost, next): (Option<&[f64]>, Option<&[f64]>)| {
         let (outermost, next) = (outermost?, next?);
         let limit = Limit { at_mm: outermost[0], next_mm: next[0] };
-        let piled = limit.at_mm.abs() >= LEAST_MM && Limit::is_piled(outermost.len(), next.len());
+        let piled = limit.at_mm.abs() >= LEAST_MM
+            && outermost.len() >= FEWEST
+            && Limit::is_piled(outermost.len(), next.len());
         (piled && longest(log, limit.at_mm) >= TOGETHER).then_some(limit)
     };
     ends.into_iter().filter_map(limit).collect()

@@ -92,11 +92,12 @@ pub(super) fn observed(run: &Run) -> Vec<Vec<Range<usize>>> {
         [gap.start, gap.end].iter().all(|&k| reading_mm(k) < WELL_INSIDE * range_mm)
     };
     // The feed may have been one and a half times what is stated.
-    let shortest_s = 0.5 * shortest_way_out_s(run);
-    let is_short = |gap: &Range<usize>| lasts_s(gap) < shortest_s;
+    let shortest_s = shortest_way_out_s(run).map(|shortest_s| 0.5 * shortest_s);
+    let is_short = |gap: &Range<usize>| shortest_s.is_none_or(|least_s| lasts_s(gap) < least_s);
     let runs = |stretch: &Range<usize>| is_on_ramp(log, stretch, range_mm);
     let ways = [
-        joined(log, |of, gap| inside(gap) && (is_short(gap) || !runs(of))),
+        // What comes before a single engagement may have passed through the range, at any time.
+        joined(log, |of, gap| inside(gap) && (!runs(of) || shortest_s.is_some() && is_short(gap))),
         joined(log, |_, gap| inside(gap) && is_short(gap)),
         joined(log, |_, gap| is_short(gap)),
     ];
@@ -137,11 +138,11 @@ fn joined(
     stretches
 }
 
-/// The shortest time for which a program takes the bar out of its range between two engagements, s; unbounded with one.
-fn shortest_way_out_s(run: &Run) -> f64 {
+/// The shortest time for which a program takes the bar out of its range between two engagements, s; none with one.
+fn shortest_way_out_s(run: &Run) -> Option<f64> {
     let engagements = expected(&run.trajectory(run.feed_override), &run.rig);
     let out_s = engagements.windows(2).map(|pair| pair[1].start_s - pair[0].end_s);
-    out_s.fold(f64::INFINITY, f64::min)
+    out_s.reduce(f64::min)
 }
 
 /// How far a log's duration may be from the program's before it is another program's, as a share:

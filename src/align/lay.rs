@@ -54,13 +54,23 @@ pub fn align(run: &Run) -> Result<Alignment> {
     laid.map_err(|error| said_to_be_cut_off(error, run, &limits))
 }
 
+/// A slide that hangs at a standstill still reads as there when its program has moved on for so long, s.
+const HANGS_S: f64 = 0.1;
+
 /// Whether the machine stood where readings are at a limit, as a quiet instrument reads one value throughout a dwell, and where
 /// it moved they are not too many.
 fn stood_at(laid: &Alignment, log: &Log, limit: &Limit) -> bool {
-    let stands = |part: &Part| matches!(part, Part::Dwell | Part::Stop);
-    let parts = |mm: f64| laid.readings_at(log, mm).0.into_iter().map(|sample| sample.part);
-    let (stood, moved): (Vec<Part>, Vec<Part>) = parts(limit.at_mm).partition(stands);
-    let next = parts(limit.next_mm).filter(|part| !stands(part));
+    let stands = |sample: &Sample| matches!(sample.part, Part::Dwell | Part::Stop);
+    let (stood, mut moved): (Vec<Sample>, Vec<Sample>) =
+        laid.readings_at(log, limit.at_mm).0.into_iter().partition(stands);
+    let hangs = |moved: &Sample| {
+        let after = stood.partition_point(|stood| stood.log_s < moved.log_s);
+        let beside = &stood[after.saturating_sub(1)..stood.len().min(after + 1)];
+        beside.iter().any(|stood| (moved.log_s - stood.log_s).abs() <= HANGS_S)
+    };
+    moved.retain(|moved| !hangs(moved));
+    let next = laid.readings_at(log, limit.next_mm).0;
+    let next = next.iter().filter(|sample| !stands(sample));
     !stood.is_empty() && !Limit::is_piled(moved.len(), next.count())
 }
 
