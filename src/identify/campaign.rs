@@ -129,7 +129,12 @@ impl Campaign {
             });
             let repeats: Vec<Vec<MeasuredRun>> = repeats.collect();
             let worth_it = match &of {
-                Ok(of) => exchanged::may_leave_less(&repeats, of, test, machine).unwrap_or(true),
+                Ok(of) => of
+                    .model(test, machine, 0)
+                    .and_then(|model| {
+                        exchanged::may_leave_less(&repeats, &model, of.rms_mm(), test)
+                    })
+                    .unwrap_or(true),
                 Err(_) => pair.as_stated,
             };
             let other = worth_it

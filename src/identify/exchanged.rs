@@ -2,13 +2,13 @@
 
 use rayon::prelude::*;
 
-use super::campaign::Campaign;
 use super::fit::leaves_roughly_mm;
 use super::input::{Options, RunInput};
 use super::measured::MeasuredRun;
 use super::result::IdentifiedRun;
 use crate::error::{Error, Kind, Result};
 use crate::machine::Machine;
+use crate::model::Model;
 use crate::plan::Test;
 
 /// Two runs with the log of each at the other's program.
@@ -65,26 +65,25 @@ pub(super) fn pairs(
     pairs.filter(|of| possible(*of) && differ(*of)).filter_map(pair).collect()
 }
 
-/// Whether logs that were exchanged may leave less than the fits of a campaign do where they stand, as far as a first look
-/// tells: at each other's run by mistake they leave much more, and no second look is worth its time.
+/// Whether logs that were exchanged may leave less than they do where they stand, mm rms, as far as a first look tells: those
+/// that stood right leave much more then, and no second look is worth its time.
 pub(super) fn may_leave_less(
     repeats: &[Vec<MeasuredRun>],
-    campaign: &Campaign,
+    model: &Model,
+    as_listed_mm: f64,
     test: &Test,
-    machine: &Machine,
 ) -> Result<bool> {
     let options = Options::of(test);
-    let model = campaign.model(test, machine, 0)?;
     let left = repeats.par_iter().map(|runs| {
-        let laid = runs.iter().map(|run| run.aligned(test, machine));
+        let laid = runs.iter().map(|run| run.aligned(test, model.machine()));
         let laid: Vec<RunInput> = laid.collect::<Result<_>>()?;
         let used: usize = laid.iter().map(|run| run.samples().len()).sum();
-        Ok((leaves_roughly_mm(&model, laid, &options)?.powi(2), used as f64))
+        Ok((leaves_roughly_mm(model, laid, &options)?.powi(2), used as f64))
     });
     let left: Vec<(f64, f64)> = left.collect::<Result<_>>()?;
     let (squares_mm2, used) =
         left.iter().fold((0.0, 0.0), |sum, (mm2, used)| (sum.0 + mm2 * used, sum.1 + used));
-    Ok(squares_mm2 < campaign.rms_mm().powi(2) * used)
+    Ok(squares_mm2 < as_listed_mm.powi(2) * used)
 }
 
 /// The error: which, and why.
