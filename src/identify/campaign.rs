@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 
 use super::complete::explicit_terms;
-use super::exchanged;
+use super::exchanged::{self, Pair};
 
 use super::input::{Options, RunInput};
 use super::measured::{MeasuredRepeat, MeasuredRun};
@@ -114,33 +114,31 @@ impl Campaign {
         // Where all that could be laid is explained, it is one of the others that stands elsewhere.
         let any = of.is_ok() && !explained || !apart.contains(&true);
         let possible = |[k, l]: [usize; 2]| any || apart[k] || apart[l];
-        for pair in exchanged::pairs(&all, &possible, test, machine) {
-            let names = pair.of.map(|k| all[k].name.as_str());
-            if pair.as_stated && pair.of.iter().all(|k| apart[*k]) {
-                let why = "each fits the other's program, and not its own";
-                return Err(exchanged::error(names, why, test));
+        let pairs = exchanged::pairs(&all, &possible, test, machine);
+        let names = |pair: &Pair| pair.of.map(|k| all[k].name.as_str());
+        let neither = |pair: &&Pair| pair.as_stated && pair.of.iter().all(|k| apart[*k]);
+        if let Some(pair) = pairs.iter().find(neither) {
+            let why = "each fits the other's program, and not its own";
+            return Err(exchanged::error(names(pair), why, test));
+        }
+        let readable = measured.iter().map(|repeat| {
+            let runs = repeat.runs.iter().filter_map(|run| run.as_ref().ok());
+            runs.cloned().collect()
+        });
+        let readable: Vec<Vec<MeasuredRun>> = readable.collect();
+        let promising: Vec<&Pair> = match &of {
+            Ok(of) => {
+                let model = of.model(test, machine, 0)?;
+                let most = EXCHANGED.powi(2);
+                exchanged::likeliest(&pairs, &readable, &model, test, most).into_iter().collect()
             }
-            let in_place = |run: &MeasuredRun| {
-                pair.exchanged.iter().find(|other| other.name == run.name).unwrap_or(run).clone()
+            Err(_) => pairs.iter().filter(|pair| pair.as_stated).collect(),
+        };
+        for pair in promising {
+            let repeats = pair.in_place(&readable);
+            let Ok(other) = Self::of_measured(test, machine, repeats, Failure::LeaveOut) else {
+                continue;
             };
-            let repeats = measured.iter().map(|repeat| {
-                let runs = repeat.runs.iter().filter_map(|run| run.as_ref().ok());
-                runs.map(in_place).collect()
-            });
-            let repeats: Vec<Vec<MeasuredRun>> = repeats.collect();
-            let worth_it = match &of {
-                Ok(of) => of
-                    .model(test, machine, 0)
-                    .and_then(|model| {
-                        exchanged::may_leave_less(&repeats, &model, of.rms_mm(), test)
-                    })
-                    .unwrap_or(true),
-                Err(_) => pair.as_stated,
-            };
-            let other = worth_it
-                .then(|| Self::of_measured(test, machine, repeats, Failure::LeaveOut))
-                .transpose();
-            let Ok(Some(other)) = other else { continue };
             let exchanged_mm = other.rms_mm();
             let (as_listed_mm, left_out) = match &of {
                 Ok(campaign) => (campaign.rms_mm(), campaign.left_out.len()),
@@ -159,7 +157,7 @@ impl Campaign {
                     "as they are listed {as_listed}, exchanged {:.2} um",
                     1e3 * exchanged_mm
                 );
-                return Err(exchanged::error(names, &why, test));
+                return Err(exchanged::error(names(pair), &why, test));
             }
         }
         of

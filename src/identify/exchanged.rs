@@ -65,25 +65,49 @@ pub(super) fn pairs(
     pairs.filter(|of| possible(*of) && differ(*of)).filter_map(pair).collect()
 }
 
-/// Whether logs that were exchanged may leave less than they do where they stand, mm rms, as far as a first look tells: those
-/// that stood right leave much more then, and no second look is worth its time.
-pub(super) fn may_leave_less(
+impl Pair {
+    /// Repeats with the logs of the two exchanged.
+    pub(super) fn in_place(&self, repeats: &[Vec<MeasuredRun>]) -> Vec<Vec<MeasuredRun>> {
+        let of_run = |run: &MeasuredRun| {
+            self.exchanged.iter().find(|other| other.name == run.name).unwrap_or(run).clone()
+        };
+        repeats.iter().map(|runs| runs.iter().map(of_run).collect()).collect()
+    }
+
+    fn is_of(&self, runs: &[MeasuredRun]) -> bool {
+        runs.iter().any(|run| self.exchanged.iter().any(|other| other.name == run.name))
+    }
+}
+
+/// The pair whose exchange leaves least, where that is at `most` so much of what is left as they are listed, of squares, as far
+/// as a first look at the smooth path tells. Wrong logs take longest to identify: no second look at others is worth its time.
+pub(super) fn likeliest<'a>(
+    pairs: &'a [Pair],
     repeats: &[Vec<MeasuredRun>],
     model: &Model,
-    as_listed_mm: f64,
     test: &Test,
-) -> Result<bool> {
+    most: f64,
+) -> Option<&'a Pair> {
     let options = Options::of(test);
-    let left = repeats.par_iter().map(|runs| {
+    // Sum of squares, mm²; unbounded where the logs cannot be laid or fitted.
+    let leaves_mm2 = |runs: &Vec<MeasuredRun>| {
         let laid = runs.iter().map(|run| run.aligned(test, model.machine()));
-        let laid: Vec<RunInput> = laid.collect::<Result<_>>()?;
+        let laid = laid.collect::<Result<Vec<RunInput>>>().ok()?;
         let used: usize = laid.iter().map(|run| run.samples().len()).sum();
-        Ok((leaves_roughly_mm(model, laid, &options)?.powi(2), used as f64))
-    });
-    let left: Vec<(f64, f64)> = left.collect::<Result<_>>()?;
-    let (squares_mm2, used) =
-        left.iter().fold((0.0, 0.0), |sum, (mm2, used)| (sum.0 + mm2 * used, sum.1 + used));
-    Ok(squares_mm2 < as_listed_mm.powi(2) * used)
+        Some(leaves_roughly_mm(model, laid, &options).ok()?.powi(2) * used as f64)
+    };
+    let leaves_mm2 = |runs: &Vec<MeasuredRun>| leaves_mm2(runs).unwrap_or(f64::INFINITY);
+    let as_listed_mm2: Vec<f64> = repeats.par_iter().map(leaves_mm2).collect();
+    let exchanged_mm2 = |pair: &Pair| -> f64 {
+        let now = pair.in_place(repeats);
+        let of = |(runs, as_listed_mm2): (&Vec<MeasuredRun>, &f64)| {
+            if pair.is_of(runs) { leaves_mm2(runs) } else { *as_listed_mm2 }
+        };
+        now.iter().zip(&as_listed_mm2).map(of).sum()
+    };
+    let left_mm2: Vec<f64> = pairs.par_iter().map(exchanged_mm2).collect();
+    let (pair, left_mm2) = pairs.iter().zip(left_mm2).min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (left_mm2 < most * as_listed_mm2.iter().sum::<f64>()).then_some(pair)
 }
 
 /// The error: which, and why.
