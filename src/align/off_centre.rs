@@ -36,9 +36,11 @@ const FLAT: f64 = 1e-3;
 /// Of arcs that are laid over the operator's pause half of the readings or more are left; of others what errors of the machine
 /// are beside the offset, less than this.
 const WRONG: f64 = 0.35;
-/// Where a log was laid over its program wrongly, its arcs leave so many times more than elsewhere in the log, or than where
-/// they are laid over rightly: [`WRONG`], and some [`LEFT`].
+/// Where a log was laid over its program wrongly, its arcs leave so many times more than elsewhere in the log: [`WRONG`], and
+/// some [`LEFT`].
 const WORSE: f64 = 4.0;
+/// And so many times more than where they are laid over rightly, which leaves less than [`WRONG`]: nearly all.
+const NEARLY_ALL: f64 = 2.0;
 /// This part of the offset that brings the bar in by itself does so together with errors of the machine.
 const OFF: f64 = 0.5;
 /// So many readings tell how large they are.
@@ -85,7 +87,7 @@ pub fn off_centre(run: &Run, laid: Option<&Alignment>) -> Option<OffCentre> {
     let nearer = || {
         let within_mm = 0.5 * waits_mm?;
         let (laid, of) = laid_within(run, within_mm)?;
-        let is_off = of.left < WRONG.min(left / WORSE) && of.offset_mm.norm() > OFF * least_mm;
+        let is_off = of.left < WRONG.min(left / NEARLY_ALL) && of.offset_mm.norm() > OFF * least_mm;
         is_off.then(|| OffCentre::Laid {
             offset_mm: of.offset_mm,
             within_mm,

@@ -168,6 +168,30 @@ fn a_ball_that_stands_half_a_millimetre_off() {
     }
 }
 
+/// A machine that is out by a third of what its ball stands off: the log is not one of a feed that would make up for the bar that
+/// reads while the machine waits.
+#[test]
+fn a_ball_that_stands_off_on_a_machine_that_is_out() {
+    let work = bench(
+        "vertical.toml",
+        "[20.0, -35.0, -300.0]",
+        "[plan]\nstrategy = \"3d6\"\nfeed_mm_min = 2200.0\n",
+    );
+    let test = std::fs::read_to_string(work.path("test.toml")).unwrap();
+    let short = test.replace("length_mm = 150.0", "length_mm = 100.0\nrange_mm = 1.2");
+    work.write("test.toml", short).write(
+        "off.toml",
+        "seed = 8\nsample_rate_hz = 50\nfeed_override_percent = 96.0\n\
+         [set_up]\nEXt = -0.28\nEYt = 0.07\n",
+    );
+    work.ballbar(&["simulate", "test.toml", "--scenario", "off.toml"]).done();
+    let told = work.ballbar(&["identify", "results/test.toml", "--json"]).done().stdout();
+    let told: serde_json::Value = serde_json::from_str(&told).unwrap();
+    let cautions = told["cautions"].to_string();
+    assert!(cautions.contains("the tool ball was 0.28 mm (X -0.27"), "{cautions}");
+    assert!(told["repeats"][0]["residual_rms_um"].as_f64().unwrap() < 0.16, "{cautions}");
+}
+
 /// At 5 m/min a quarter of a circle of 100 mm takes two seconds, and half a meridian of 50 mm at 3 m/min three: what is kept from
 /// reversals until times are known leaves some of it. A log too slow for that is told as one.
 #[test]
