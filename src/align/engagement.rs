@@ -93,11 +93,12 @@ pub(super) fn observed(run: &Run) -> Vec<Vec<Range<usize>>> {
     };
     // The feed may have been one and a half times what is stated.
     let shortest_s = shortest_way_out_s(run).map(|shortest_s| 0.5 * shortest_s);
-    let is_short = |gap: &Range<usize>| shortest_s.is_none_or(|least_s| lasts_s(gap) < least_s);
+    let is_shorter = |gap: &Range<usize>| shortest_s.map(|shortest_s| lasts_s(gap) < shortest_s);
+    let is_short = |gap: &Range<usize>| is_shorter(gap).unwrap_or(true);
     let runs = |stretch: &Range<usize>| is_on_ramp(log, stretch, range_mm);
     let ways = [
         // What comes before a single engagement may have passed through the range, at any time.
-        joined(log, |of, gap| inside(gap) && (!runs(of) || shortest_s.is_some() && is_short(gap))),
+        joined(log, |of, gap| inside(gap) && (!runs(of) || is_shorter(gap) == Some(true))),
         joined(log, |_, gap| inside(gap) && is_short(gap)),
         joined(log, |_, gap| is_short(gap)),
     ];

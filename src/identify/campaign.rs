@@ -128,9 +128,10 @@ impl Campaign {
         let readable: Vec<Vec<MeasuredRun>> = readable.collect();
         let promising: Vec<&Pair> = match &of {
             Ok(of) => {
-                let model = of.model(test, machine, 0)?;
-                let most = EXCHANGED.powi(2);
-                exchanged::likeliest(&pairs, &readable, &model, test, most).into_iter().collect()
+                let likeliest = of.model(test, machine, 0).ok().and_then(|model| {
+                    exchanged::likeliest(&pairs, &readable, &model, test, EXCHANGED.powi(2))
+                });
+                likeliest.into_iter().collect()
             }
             Err(_) => pairs.iter().filter(|pair| pair.as_stated).collect(),
         };
