@@ -114,7 +114,11 @@ impl Campaign {
         // Where all that could be laid is explained, it is one of the others that stands elsewhere.
         let any = of.is_ok() && !explained || !apart.contains(&true);
         let possible = |[k, l]: [usize; 2]| any || apart[k] || apart[l];
-        let pairs = exchanged::pairs(&all, &possible, test, machine);
+        let may_halve = |[k, l]: [usize; 2]| {
+            of.as_ref().is_ok_and(|of| of.may_halve([&all[k].name, &all[l].name]))
+        };
+        let at_any_feed = |pair: [usize; 2]| !explained && may_halve(pair);
+        let pairs = exchanged::pairs(&all, &possible, &at_any_feed, test, machine);
         let names = |pair: &Pair| pair.of.map(|k| all[k].name.as_str());
         let neither = |pair: &&Pair| pair.as_stated && pair.of.iter().all(|k| apart[*k]);
         if let Some(pair) = pairs.iter().find(neither) {
@@ -128,6 +132,7 @@ impl Campaign {
         let readable: Vec<Vec<MeasuredRun>> = readable.collect();
         let promising: Vec<&Pair> = match &of {
             Ok(of) => {
+                let pairs: Vec<&Pair> = pairs.iter().filter(|pair| may_halve(pair.of)).collect();
                 let likeliest = of.model(test, machine, 0).ok().and_then(|model| {
                     exchanged::likeliest(&pairs, &readable, &model, test, EXCHANGED.powi(2))
                 });
@@ -162,6 +167,17 @@ impl Campaign {
             }
         }
         of
+    }
+
+    /// Whether what the repeats of two runs leave is so much of all that exchanging their logs may halve it: what other repeats
+    /// leave stays. Where one of the runs was left out, nobody knows.
+    fn may_halve(&self, runs: [&str; 2]) -> bool {
+        let has = |repeat: &Identification, name: &str| repeat.runs.iter().any(|r| r.name == name);
+        let leaves_mm2 = |repeat: &Identification| repeat.rms_mm.powi(2) * repeat.used as f64;
+        let others = self.repeats.iter().filter(|repeat| !runs.iter().any(|run| has(repeat, run)));
+        let are_in = runs.iter().all(|run| self.repeats.iter().any(|repeat| has(repeat, run)));
+        let others_mm2: f64 = others.map(leaves_mm2).sum();
+        !are_in || others_mm2 < EXCHANGED.powi(2) * self.leaves_mm2()
     }
 
     /// What the fits leave, mm rms over all repeats.

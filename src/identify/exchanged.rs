@@ -42,10 +42,12 @@ pub(super) struct Pair {
     pub(super) as_stated: bool,
 }
 
-/// Pairs of runs, of those that are `possible`, whose logs fit the other's program, at whatever feed.
+/// Pairs of runs, of those that are `possible`, whose logs fit the other's program: at the feed that is stated, or at whatever
+/// feed where a pair is to be looked at so.
 pub(super) fn pairs(
     runs: &[&MeasuredRun],
     possible: &dyn Fn([usize; 2]) -> bool,
+    at_any_feed: &dyn Fn([usize; 2]) -> bool,
     test: &Test,
     machine: &Machine,
 ) -> Vec<Pair> {
@@ -55,12 +57,10 @@ pub(super) fn pairs(
     };
     let pair = |of: [usize; 2]| {
         let exchanged = exchanged(runs[of[0]], runs[of[1]]);
-        let excess = |run: &MeasuredRun| {
-            let laid = run.aligned(test, machine).ok()?;
-            Some(laid.alignment.time_map.override_excess.abs())
-        };
-        let [a, b] = [excess(&exchanged[0])?, excess(&exchanged[1])?];
-        Some(Pair { of, exchanged, as_stated: a.max(b) < OTHER_FEED })
+        let as_stated = exchanged.iter().all(|run| as_stated(run, test, machine));
+        let laid = || exchanged.iter().all(|run| run.aligned(test, machine).is_ok());
+        let fits = as_stated || at_any_feed(of) && laid();
+        fits.then_some(Pair { of, exchanged, as_stated })
     };
     pairs.filter(|of| possible(*of) && differ(*of)).filter_map(pair).collect()
 }
@@ -82,7 +82,7 @@ impl Pair {
 /// The pair whose exchange leaves least, where that is at `most` so much of what is left as they are listed, of squares, as far
 /// as a first look at the smooth path tells. Wrong logs take longest to identify: no second look at others is worth its time.
 pub(super) fn likeliest<'a>(
-    pairs: &'a [Pair],
+    pairs: &[&'a Pair],
     repeats: &[Vec<MeasuredRun>],
     model: &Model,
     test: &Test,
@@ -98,7 +98,7 @@ pub(super) fn likeliest<'a>(
     };
     let leaves_mm2 = |runs: &Vec<MeasuredRun>| leaves_mm2(runs).unwrap_or(f64::INFINITY);
     let as_listed_mm2: Vec<f64> = repeats.par_iter().map(leaves_mm2).collect();
-    let exchanged_mm2 = |pair: &Pair| -> f64 {
+    let exchanged_mm2 = |pair: &&Pair| -> f64 {
         let now = pair.in_place(repeats);
         let of = |(runs, as_listed_mm2): (&Vec<MeasuredRun>, &f64)| {
             if pair.is_of(runs) { leaves_mm2(runs) } else { *as_listed_mm2 }
