@@ -9,7 +9,6 @@ use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 
 use super::complete::explicit_terms;
-use super::exchanged::{self, Pair};
 
 use super::input::{Options, RunInput};
 use super::measured::{MeasuredRepeat, MeasuredRun};
@@ -39,14 +38,6 @@ pub struct Campaign {
     /// What was measured, also what was left out; campaigns of the same measurements share it.
     pub(super) measured: Arc<Vec<MeasuredRepeat>>,
 }
-
-/// Logs that leave less than this share of the residual when they are exchanged were: another program, or the same in
-/// another place, drives other errors, and nothing but the right one halves what is left by chance.
-const EXCHANGED: f64 = 0.5;
-
-/// Where each of two runs has the errors of the other, the fit leaves about as much as readings differ from each other; a
-/// tenth of that is suspicion enough.
-const MIXED_UP: f64 = 0.1;
 
 /// What becomes of a repeat that cannot be aligned or identified.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -82,102 +73,6 @@ impl Campaign {
         let measured = Arc::new(measured);
         let of = Self::of_repeats(test, machine, Arc::clone(&measured), failure, finished);
         Self::refuse_exchanged(test, machine, &measured, of)
-    }
-
-    /// What came of some measurements, unless logs of theirs stand at each other's runs: where not all can be laid over
-    /// their programs, or a fit does not explain what was read.
-    fn refuse_exchanged(
-        test: &Test,
-        machine: &Machine,
-        measured: &[MeasuredRepeat],
-        of: Result<Self>,
-    ) -> Result<Self> {
-        let fits = |repeat: &Identification| repeat.rms_mm < MIXED_UP * repeat.spread_mm();
-        let mislaid = match &of {
-            Ok(campaign) => {
-                let feeds = |of: &Identification| of.runs.iter().any(exchanged::at_another_feed);
-                !campaign.left_out.is_empty() || campaign.repeats.iter().any(feeds)
-            }
-            Err(_) => true,
-        };
-        let explained = of.as_ref().is_ok_and(|campaign| campaign.repeats.iter().all(fits));
-        if explained && !mislaid {
-            return of;
-        }
-        let all: Vec<&MeasuredRun> = measured
-            .iter()
-            .flat_map(|repeat| &repeat.runs)
-            .filter_map(|run| run.as_ref().ok())
-            .collect();
-        let as_stated = |run: &&MeasuredRun| exchanged::as_stated(run, test, machine);
-        let apart: Vec<bool> = all.iter().map(|run| !as_stated(run)).collect();
-        // Where all that could be laid is explained, it is one of the others that stands elsewhere.
-        let any = of.is_ok() && !explained || !apart.contains(&true);
-        let possible = |[k, l]: [usize; 2]| any || apart[k] || apart[l];
-        let may_halve = |[k, l]: [usize; 2]| {
-            of.as_ref().is_ok_and(|of| of.may_halve([&all[k].name, &all[l].name]))
-        };
-        let at_any_feed = |pair: [usize; 2]| !explained && may_halve(pair);
-        let pairs = exchanged::pairs(&all, &possible, &at_any_feed, test, machine);
-        let names = |pair: &Pair| pair.of.map(|k| all[k].name.as_str());
-        let neither = |pair: &&Pair| pair.as_stated && pair.of.iter().all(|k| apart[*k]);
-        if let Some(pair) = pairs.iter().find(neither) {
-            let why = "each fits the other's program, and not its own";
-            return Err(exchanged::error(names(pair), why, test));
-        }
-        let readable = measured.iter().map(|repeat| {
-            let runs = repeat.runs.iter().filter_map(|run| run.as_ref().ok());
-            runs.cloned().collect()
-        });
-        let readable: Vec<Vec<MeasuredRun>> = readable.collect();
-        let promising: Vec<&Pair> = match &of {
-            Ok(of) => {
-                let pairs: Vec<&Pair> = pairs.iter().filter(|pair| may_halve(pair.of)).collect();
-                let likeliest = of.model(test, machine, 0).ok().and_then(|model| {
-                    exchanged::likeliest(&pairs, &readable, &model, test, EXCHANGED.powi(2))
-                });
-                likeliest.into_iter().collect()
-            }
-            Err(_) => pairs.iter().filter(|pair| pair.as_stated).collect(),
-        };
-        for pair in promising {
-            let repeats = pair.in_place(&readable);
-            let Ok(other) = Self::of_measured(test, machine, repeats, Failure::LeaveOut) else {
-                continue;
-            };
-            let exchanged_mm = other.rms_mm();
-            let (as_listed_mm, left_out) = match &of {
-                Ok(campaign) => (campaign.rms_mm(), campaign.left_out.len()),
-                Err(_) => (f64::INFINITY, 0),
-            };
-            // Where nothing fits as it is listed, anything would be better.
-            let better = exchanged_mm < EXCHANGED * as_listed_mm
-                && (as_listed_mm.is_finite() || other.repeats.iter().all(fits));
-            if other.left_out.len() <= left_out && better {
-                let as_listed = if as_listed_mm.is_finite() {
-                    format!("the model leaves {:.2} um rms", 1e3 * as_listed_mm)
-                } else {
-                    "no model fits them".to_owned()
-                };
-                let why = format!(
-                    "as they are listed {as_listed}, exchanged {:.2} um",
-                    1e3 * exchanged_mm
-                );
-                return Err(exchanged::error(names(pair), &why, test));
-            }
-        }
-        of
-    }
-
-    /// Whether what the repeats of two runs leave is so much of all that exchanging their logs may halve it: what other repeats
-    /// leave stays. Where one of the runs was left out, nobody knows.
-    fn may_halve(&self, runs: [&str; 2]) -> bool {
-        let has = |repeat: &Identification, name: &str| repeat.runs.iter().any(|r| r.name == name);
-        let leaves_mm2 = |repeat: &Identification| repeat.rms_mm.powi(2) * repeat.used as f64;
-        let others = self.repeats.iter().filter(|repeat| !runs.iter().any(|run| has(repeat, run)));
-        let are_in = runs.iter().all(|run| self.repeats.iter().any(|repeat| has(repeat, run)));
-        let others_mm2: f64 = others.map(leaves_mm2).sum();
-        !are_in || others_mm2 < EXCHANGED.powi(2) * self.leaves_mm2()
     }
 
     /// What the fits leave, mm rms over all repeats.

@@ -2,14 +2,121 @@
 
 use rayon::prelude::*;
 
+use super::campaign::{Campaign, Failure};
 use super::fit::leaves_roughly_mm;
 use super::input::{Options, RunInput};
-use super::measured::MeasuredRun;
-use super::result::IdentifiedRun;
+use super::measured::{MeasuredRepeat, MeasuredRun};
+use super::result::{Identification, IdentifiedRun};
 use crate::error::{Error, Kind, Result};
 use crate::machine::Machine;
 use crate::model::Model;
 use crate::plan::Test;
+
+/// Logs that leave less than this share of the residual when they are exchanged were: another program, or the same in
+/// another place, drives other errors, and nothing but the right one halves what is left by chance.
+const EXCHANGED: f64 = 0.5;
+
+/// Where each of two runs has the errors of the other, the fit leaves about as much as readings differ from each other; a
+/// tenth of that is suspicion enough.
+const MIXED_UP: f64 = 0.1;
+
+impl Campaign {
+    /// What came of some measurements, unless logs of theirs stand at each other's runs: where not all can be laid over
+    /// their programs, or a fit does not explain what was read.
+    pub(super) fn refuse_exchanged(
+        test: &Test,
+        machine: &Machine,
+        measured: &[MeasuredRepeat],
+        of: Result<Self>,
+    ) -> Result<Self> {
+        let fits = |repeat: &Identification| repeat.rms_mm < MIXED_UP * repeat.spread_mm();
+        let mislaid = match &of {
+            Ok(campaign) => {
+                let feeds = |of: &Identification| of.runs.iter().any(at_another_feed);
+                !campaign.left_out.is_empty() || campaign.repeats.iter().any(feeds)
+            }
+            Err(_) => true,
+        };
+        let explained = of.as_ref().is_ok_and(|campaign| campaign.repeats.iter().all(fits));
+        if explained && !mislaid {
+            return of;
+        }
+        let all: Vec<&MeasuredRun> = measured
+            .iter()
+            .flat_map(|repeat| &repeat.runs)
+            .filter_map(|run| run.as_ref().ok())
+            .collect();
+        let as_stated = |run: &&MeasuredRun| as_stated(run, test, machine);
+        let apart: Vec<bool> = all.iter().map(|run| !as_stated(run)).collect();
+        // Where all that could be laid is explained, it is one of the others that stands elsewhere.
+        let any = of.is_ok() && !explained || !apart.contains(&true);
+        let possible = |[k, l]: [usize; 2]| any || apart[k] || apart[l];
+        let may_halve = |[k, l]: [usize; 2]| {
+            of.as_ref().is_ok_and(|of| of.may_halve([&all[k].name, &all[l].name]))
+        };
+        let at_any_feed = |pair: [usize; 2]| !explained && may_halve(pair);
+        let pairs = pairs(&all, &possible, &at_any_feed, test, machine);
+        let names = |pair: &Pair| pair.of.map(|k| all[k].name.as_str());
+        let neither = |pair: &&Pair| pair.as_stated && pair.of.iter().all(|k| apart[*k]);
+        if let Some(pair) = pairs.iter().find(neither) {
+            let why = "each fits the other's program, and not its own";
+            return Err(error(names(pair), why, test));
+        }
+        let readable = measured.iter().map(|repeat| {
+            let runs = repeat.runs.iter().filter_map(|run| run.as_ref().ok());
+            runs.cloned().collect()
+        });
+        let readable: Vec<Vec<MeasuredRun>> = readable.collect();
+        let promising: Vec<&Pair> = match &of {
+            Ok(of) => {
+                let pairs: Vec<&Pair> = pairs.iter().filter(|pair| may_halve(pair.of)).collect();
+                let likeliest = of.model(test, machine, 0).ok().and_then(|model| {
+                    likeliest(&pairs, &readable, &model, test, EXCHANGED.powi(2))
+                });
+                likeliest.into_iter().collect()
+            }
+            Err(_) => pairs.iter().filter(|pair| pair.as_stated).collect(),
+        };
+        for pair in promising {
+            let repeats = pair.in_place(&readable);
+            let Ok(other) = Self::of_measured(test, machine, repeats, Failure::LeaveOut) else {
+                continue;
+            };
+            let exchanged_mm = other.rms_mm();
+            let (as_listed_mm, left_out) = match &of {
+                Ok(campaign) => (campaign.rms_mm(), campaign.left_out.len()),
+                Err(_) => (f64::INFINITY, 0),
+            };
+            // Where nothing fits as it is listed, anything would be better.
+            let better = exchanged_mm < EXCHANGED * as_listed_mm
+                && (as_listed_mm.is_finite() || other.repeats.iter().all(fits));
+            if other.left_out.len() <= left_out && better {
+                let as_listed = if as_listed_mm.is_finite() {
+                    format!("the model leaves {:.2} um rms", 1e3 * as_listed_mm)
+                } else {
+                    "no model fits them".to_owned()
+                };
+                let why = format!(
+                    "as they are listed {as_listed}, exchanged {:.2} um",
+                    1e3 * exchanged_mm
+                );
+                return Err(error(names(pair), &why, test));
+            }
+        }
+        of
+    }
+
+    /// Whether what the repeats of two runs leave is so much of all that exchanging their logs may halve it: what other repeats
+    /// leave stays. Where one of the runs was left out, nobody knows.
+    fn may_halve(&self, runs: [&str; 2]) -> bool {
+        let has = |repeat: &Identification, name: &str| repeat.runs.iter().any(|r| r.name == name);
+        let leaves_mm2 = |repeat: &Identification| repeat.rms_mm.powi(2) * repeat.used as f64;
+        let others = self.repeats.iter().filter(|repeat| !runs.iter().any(|run| has(repeat, run)));
+        let are_in = runs.iter().all(|run| self.repeats.iter().any(|repeat| has(repeat, run)));
+        let others_mm2: f64 = others.map(leaves_mm2).sum();
+        !are_in || others_mm2 < EXCHANGED.powi(2) * self.leaves_mm2()
+    }
+}
 
 /// Two runs with the log of each at the other's program.
 fn exchanged(a: &MeasuredRun, b: &MeasuredRun) -> [MeasuredRun; 2] {
@@ -22,29 +129,29 @@ fn exchanged(a: &MeasuredRun, b: &MeasuredRun) -> [MeasuredRun; 2] {
 const OTHER_FEED: f64 = 0.02;
 
 /// Whether a run was driven at another feed than is stated.
-pub(super) fn at_another_feed(run: &IdentifiedRun) -> bool {
+fn at_another_feed(run: &IdentifiedRun) -> bool {
     run.alignment.time_map.override_excess.abs() >= OTHER_FEED
 }
 
 /// Whether a log can be laid over its program at the feed that is stated.
-pub(super) fn as_stated(run: &MeasuredRun, test: &Test, machine: &Machine) -> bool {
+fn as_stated(run: &MeasuredRun, test: &Test, machine: &Machine) -> bool {
     let aligned = run.aligned(test, machine);
     aligned.is_ok_and(|run| run.alignment.time_map.override_excess.abs() < OTHER_FEED)
 }
 
 /// Two runs whose logs can be laid over each other's program, which is another one.
-pub(super) struct Pair {
+struct Pair {
     /// Their indices.
-    pub(super) of: [usize; 2],
+    of: [usize; 2],
     /// The same with the log of each at the other's program.
-    pub(super) exchanged: [MeasuredRun; 2],
+    exchanged: [MeasuredRun; 2],
     /// Whether both were driven at the feed that is stated then.
-    pub(super) as_stated: bool,
+    as_stated: bool,
 }
 
 /// Pairs of runs, of those that are `possible`, whose logs fit the other's program: at the feed that is stated, or at whatever
 /// feed where a pair is to be looked at so.
-pub(super) fn pairs(
+fn pairs(
     runs: &[&MeasuredRun],
     possible: &dyn Fn([usize; 2]) -> bool,
     at_any_feed: &dyn Fn([usize; 2]) -> bool,
@@ -67,7 +174,7 @@ pub(super) fn pairs(
 
 impl Pair {
     /// Repeats with the logs of the two exchanged.
-    pub(super) fn in_place(&self, repeats: &[Vec<MeasuredRun>]) -> Vec<Vec<MeasuredRun>> {
+    fn in_place(&self, repeats: &[Vec<MeasuredRun>]) -> Vec<Vec<MeasuredRun>> {
         let of_run = |run: &MeasuredRun| {
             self.exchanged.iter().find(|other| other.name == run.name).unwrap_or(run).clone()
         };
@@ -81,7 +188,7 @@ impl Pair {
 
 /// The pair whose exchange leaves least, where that is at `most` so much of what is left as they are listed, of squares, as far
 /// as a first look at the smooth path tells. Wrong logs take longest to identify: no second look at others is worth its time.
-pub(super) fn likeliest<'a>(
+fn likeliest<'a>(
     pairs: &[&'a Pair],
     repeats: &[Vec<MeasuredRun>],
     model: &Model,
@@ -111,7 +218,7 @@ pub(super) fn likeliest<'a>(
 }
 
 /// The error: which, and why.
-pub(super) fn error(names: [&str; 2], why: &str, test: &Test) -> Error {
+fn error(names: [&str; 2], why: &str, test: &Test) -> Error {
     let [a, b] = names;
     Error::new(
         Kind::Mismatch,
