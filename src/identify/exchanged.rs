@@ -1,4 +1,4 @@
-//! Logs that stand at each other's runs.
+//! Logs that stand at other runs than their own.
 
 use rayon::prelude::*;
 
@@ -46,6 +46,11 @@ impl Campaign {
             .flat_map(|repeat| &repeat.runs)
             .filter_map(|run| run.as_ref().ok())
             .collect();
+        if let Some(pair) = pairs_of(&all).find(|[k, l]| {
+            differ(all[*k], all[*l]) && all[*k].log.has_the_readings_of(&all[*l].log)
+        }) {
+            return Err(copied(pair.map(|k| all[k].name.as_str()), test));
+        }
         let as_stated = |run: &&MeasuredRun| as_stated(run, test, machine);
         let apart: Vec<bool> = all.iter().map(|run| !as_stated(run)).collect();
         // Where all that could be laid is explained, it is one of the others that stands elsewhere.
@@ -118,6 +123,17 @@ impl Campaign {
     }
 }
 
+/// Each two of some runs, once.
+fn pairs_of(runs: &[&MeasuredRun]) -> impl Iterator<Item = [usize; 2]> {
+    let number = runs.len();
+    (0..number).flat_map(move |k| (k + 1..number).map(move |l| [k, l]))
+}
+
+/// Whether two runs were of other programs, or at other places.
+fn differ(a: &MeasuredRun, b: &MeasuredRun) -> bool {
+    a.source != b.source || a.mounting != b.mounting
+}
+
 /// Two runs with the log of each at the other's program.
 fn exchanged(a: &MeasuredRun, b: &MeasuredRun) -> [MeasuredRun; 2] {
     let with_log =
@@ -158,10 +174,6 @@ fn pairs(
     test: &Test,
     machine: &Machine,
 ) -> Vec<Pair> {
-    let pairs = (0..runs.len()).flat_map(|k| (k + 1..runs.len()).map(move |l| [k, l]));
-    let differ = |[k, l]: [usize; 2]| {
-        runs[k].source != runs[l].source || runs[k].mounting != runs[l].mounting
-    };
     let pair = |of: [usize; 2]| {
         let exchanged = exchanged(runs[of[0]], runs[of[1]]);
         let as_stated = exchanged.iter().all(|run| as_stated(run, test, machine));
@@ -169,7 +181,8 @@ fn pairs(
         let fits = as_stated || at_any_feed(of) && laid();
         fits.then_some(Pair { of, exchanged, as_stated })
     };
-    pairs.filter(|of| possible(*of) && differ(*of)).filter_map(pair).collect()
+    let differ = |[k, l]: &[usize; 2]| differ(runs[*k], runs[*l]);
+    pairs_of(runs).filter(|of| possible(*of)).filter(differ).filter_map(pair).collect()
 }
 
 impl Pair {
@@ -225,4 +238,14 @@ fn error(names: [&str; 2], why: &str, test: &Test) -> Error {
         format!("the logs of `{a}` and `{b}` stand at each other's run: {why}"),
     )
     .hint(format!("exchange the two `log = ...` in {}", test.file().display()))
+}
+
+/// The error where runs that differ have the same log, which is right for one of them at most.
+fn copied(names: [&str; 2], test: &Test) -> Error {
+    let [a, b] = names;
+    Error::new(
+        Kind::Mismatch,
+        format!("the logs of `{a}` and `{b}` hold the same readings, and their programs or places differ: one is not of its run"),
+    )
+    .hint(format!("give each run its own log in {}", test.file().display()))
 }

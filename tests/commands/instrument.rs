@@ -283,8 +283,14 @@ fn logs_that_stand_at_each_others_run_at_another_feed() {
 fn a_log_of_another_run_that_was_copied() {
     let work = exchanged("planar", "xy", "xy");
     work.write("xy.csv.gz", std::fs::read(data("planar").join("yz.csv.gz")).unwrap());
+    let told = work.ballbar(&["identify", "test.toml"]).refused(3);
+    assert!(told.contains("the logs of `xy` and `yz` hold the same readings"), "{told}");
+    assert!(told.contains("one is not of its run"), "{told}");
+    assert!(told.contains("hint: give each run its own log in test.toml"), "{told}");
+    // Of the same program it may be of its run, and only what repeats is not what it seems.
+    let work = exchanged("case-a", "run1", "run1");
+    work.write("run1.csv.gz", std::fs::read(data("case-a").join("run2.csv.gz")).unwrap());
     let told = work.ballbar(&["identify", "test.toml"]).done().stdout();
     let told = told.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(told.contains("the logs of `xy` and `yz` hold the same readings"), "{told}");
-    assert!(told.contains("a log may be of another program"), "{told}");
+    assert!(told.contains("one is a copy of the other"), "{told}");
 }

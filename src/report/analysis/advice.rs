@@ -55,8 +55,20 @@ pub(super) fn is_there(of: &PlaceResult) -> bool {
     of.value.abs() > THERE * of.all.or(of.noise).unwrap_or(f64::INFINITY)
 }
 
+/// How many times chance the fits leave, at most; `None` where all leave little more. Then nothing that they say is a reason
+/// to touch a machine.
+pub(super) fn beyond_chance(analysis: &Analysis) -> Option<f64> {
+    analysis.repeats.iter().filter_map(|repeat| repeat.beyond_chance).reduce(f64::max)
+}
+
 /// What to do, in sentences.
 pub(super) fn of(analysis: &Analysis) -> Vec<String> {
+    if let Some(times) = beyond_chance(analysis) {
+        return vec![format!(
+            "Repair nothing by these numbers: the model leaves {} times what one reading differs from the next by chance. See that each log is of its run and its program, and what is uncertain.",
+            fixed(times, 0)
+        )];
+    }
     let diagnosis = analysis.diagnosis.as_ref();
     // What the files state wrong is neither repaired nor compensated, and comes before all else.
     let stated = diagnosis.iter().flat_map(|of| &of.verdict.wrong_settings).cloned();
@@ -200,6 +212,16 @@ mod tests {
                 .any(|word| remedies::of(word, true).is_some_and(|to_do| of.contains(to_do)))
         };
         assert!(told.iter().any(|of| to_do(of)), "{told:?}");
+    }
+
+    #[test]
+    fn nothing_is_repaired_by_what_explains_nothing() {
+        let mut analysis = fixture::diagnosed().analysis.clone();
+        analysis.repeats[0].beyond_chance = Some(108.2);
+        let told = of(&analysis);
+        assert_eq!(told.len(), 1, "{told:?}");
+        assert!(told[0].starts_with("Repair nothing by these numbers"), "{told:?}");
+        assert!(told[0].contains("leaves 108 times"), "{told:?}");
     }
 
     #[test]

@@ -199,6 +199,9 @@ pub struct RepeatResult {
     pub noise: NoiseResult,
     /// Root mean square of the residuals of the samples that were used, um.
     pub residual_rms_um: f64,
+    /// How many times chance that is; `None` where it is little more.
+    #[serde(skip)]
+    pub beyond_chance: Option<f64>,
     /// What became of the samples.
     pub samples: SampleCounts,
     /// Gauss-Newton steps.

@@ -27,7 +27,15 @@ pub(super) fn of(analysis: &Analysis) -> Vec<String> {
     let left_out = analysis.diagnosis.iter().flat_map(|of| &of.left_out);
     let left_out = left_out.map(|of| format!("{} took no part: {}.", of.runs, of.reason));
     let others = analysis.cautions.iter().filter(|caution| !of_place.contains(caution)).cloned();
-    let all: Vec<String> = as_one(&open).into_iter().chain(left_out).chain(others).collect();
+    let others: Vec<String> = others.collect();
+    let as_one = as_one(&open);
+    // Where little is explained, what a test leaves open matters least.
+    let (first, last) = if advice::beyond_chance(analysis).is_some() {
+        (others, as_one.into_iter().collect())
+    } else {
+        (as_one.into_iter().collect::<Vec<_>>(), others)
+    };
+    let all: Vec<String> = first.into_iter().chain(left_out).chain(last).collect();
     let mut told: Vec<String> = Vec::new();
     let mut room = LETTERS;
     for sentence in all.iter().take(MOST) {
