@@ -2,21 +2,17 @@
 
 use super::input::Options;
 use super::record::Record;
-use super::result::IdentifiedRun;
+use super::result::{IdentifiedRun, LittleExplained};
+use super::unexplained::{self, Unexplained};
 use crate::align::{Alignment, Slip};
 use crate::machine::{Axis, Machine};
+use crate::solve;
 use crate::solve::Loss;
-use crate::solve::{self, NoiseModel};
 
 /// A step of time that shows beyond the resolution of the chords, s.
 const STEP_S: f64 = 0.04;
 /// Most that a step can be when the clock's tolerance has absorbed it, s, with some to spare.
 const REACH_S: f64 = 0.5;
-/// Residuals that are this many times what neighbouring readings cannot foretell of each other are
-/// nearly all pattern ...
-const PATTERN: f64 = 5.0;
-/// ... and worth a word when they are larger than this, mm.
-const UNEXPLAINED_MM: f64 = 1e-3;
 /// A program may touch the end of the travel, and files are rounded, mm.
 const BESIDE_MM: f64 = 1.0;
 /// In units of the robust scale.
@@ -27,7 +23,7 @@ pub(super) fn cautions(
     runs: &[IdentifiedRun],
     machine: &Machine,
     rms_mm: f64,
-    noise: &NoiseModel,
+    left: &Unexplained,
     options: &Options,
     settled: bool,
 ) -> Vec<String> {
@@ -49,26 +45,27 @@ pub(super) fn cautions(
             "{far_off} reading(s) lie farther off than {FAR_OFF:.0} times what is usual here and pull the fit with all their weight; `loss = \"huber\"` or `\"tukey\"` in `[identify]` takes it from them"
         ));
     }
-    if rms_mm > UNEXPLAINED_MM && !settled {
+    if unexplained::is_much(rms_mm) && !settled {
         cautions.push(format!(
             "the fit has not come to rest and leaves {:.2} um rms: a log may be of another program",
             1e3 * rms_mm
         ));
-    } else if let Some(times) = beyond_chance(rms_mm, noise, options) {
-        cautions.push(format!(
-            "the model leaves {:.2} um rms, which is {:.0} times what one reading differs from the next by chance: a log may be of another program, or the machine does what no chosen term describes",
-            1e3 * rms_mm,
-            times
-        ));
+    } else if let Some(times) = left.beyond_chance {
+        cautions.push(if left.little.is_empty() {
+            format!(
+                "the model leaves {:.2} um rms, which is {times:.0} times what one reading differs from the next by chance: the machine does what no chosen term describes",
+                1e3 * rms_mm
+            )
+        } else {
+            let of_run = |of: &LittleExplained| {
+                let [left_um, by_set_up_um] = [of.left_mm, of.by_set_up_mm].map(|mm| 1e3 * mm);
+                format!("{}: the model leaves {left_um:.2} um rms where a set-up alone would leave {by_set_up_um:.2}", of.run)
+            };
+            let of_runs: Vec<String> = left.little.iter().map(of_run).collect();
+            format!("{}: a log may be of another program or of another test", of_runs.join("; "))
+        });
     }
     cautions
-}
-
-/// How many times chance a fit leaves; `None` where that is little more than chance.
-pub(super) fn beyond_chance(rms_mm: f64, noise: &NoiseModel, options: &Options) -> Option<f64> {
-    // Where times are wrong altogether, neighbours differ by more than chance too.
-    let chance_mm = noise.innovation_sigma().min(options.noise_mm);
-    (rms_mm > UNEXPLAINED_MM.max(PATTERN * chance_mm)).then(|| rms_mm / chance_mm)
 }
 
 fn step(run: &str, alignment: &Alignment) -> Option<String> {

@@ -55,6 +55,7 @@ mod state;
 mod timing;
 mod turning;
 mod uncertainty;
+mod unexplained;
 mod words;
 
 pub use asked::{Answer, Asked, Known, Suspect, answers, ask, bent};
@@ -75,7 +76,7 @@ pub use record::{Apart, Record};
 pub use remedies::{Driven, remedies};
 pub use repeats::{Repeat, repeats};
 pub use residuals::{ArcResiduals, arcs, rms_mm};
-pub use result::{Estimate, Identification, IdentifiedRun};
+pub use result::{Estimate, Identification, IdentifiedRun, LittleExplained};
 pub use rows::SEEN_UM;
 pub use selection::{Removal, Selection};
 pub use words::sentence;

@@ -75,6 +75,17 @@ impl IdentifiedRun {
     }
 }
 
+/// A run of which a fit explains little beside its set-up.
+#[derive(Debug, Clone)]
+pub struct LittleExplained {
+    /// Its name.
+    pub run: String,
+    /// What the fit leaves, mm rms.
+    pub left_mm: f64,
+    /// What a set-up alone would leave, mm rms.
+    pub by_set_up_mm: f64,
+}
+
 /// What came out.
 #[derive(Debug)]
 pub struct Identification {
@@ -110,6 +121,8 @@ pub struct Identification {
     pub rms_mm: f64,
     /// How many times chance that is; `None` where it is little more.
     pub beyond_chance: Option<f64>,
+    /// The runs of which it explains little, the least first, where that is beyond chance.
+    pub little_explained: Vec<LittleExplained>,
     /// Samples that were used.
     pub used: usize,
     /// Gauss-Newton steps.

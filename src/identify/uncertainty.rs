@@ -7,6 +7,7 @@ use super::input::RunInput;
 use super::record::Record;
 use super::result::{Estimate, Identification, IdentifiedRun};
 use super::state::State;
+use super::unexplained::Unexplained;
 use super::{cautions, residuals, timing};
 use crate::align::{FOLLOWING_S, Sample};
 use crate::error::Result;
@@ -85,7 +86,8 @@ impl Fit<'_> {
         let settled = self.state.settled;
         let machine = self.model.machine();
         let runs = self.identified(&left_mm, &noise);
-        let cautions = cautions::cautions(&runs, machine, rms_mm, &noise, options, settled);
+        let left = Unexplained::of(&runs, rms_mm, &noise, options);
+        let cautions = cautions::cautions(&runs, machine, rms_mm, &left, options, settled);
         Ok(Identification {
             estimates,
             correlation,
@@ -97,7 +99,8 @@ impl Fit<'_> {
             counts_mm,
             condition: shared.spectrum().condition_of(shared.rank()),
             null_directions: shared.spectrum().null_directions(shared.rank(), 0.02),
-            beyond_chance: cautions::beyond_chance(rms_mm, &noise, options),
+            beyond_chance: left.beyond_chance,
+            little_explained: left.little,
             noise,
             runs,
             rms_mm,

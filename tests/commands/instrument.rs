@@ -294,3 +294,14 @@ fn a_log_of_another_run_that_was_copied() {
     let told = told.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(told.contains("one is a copy of the other"), "{told}");
 }
+
+#[test]
+fn a_log_of_another_test_is_named() {
+    let work = exchanged("planar", "xy", "xy");
+    work.ballbar(&["simulate", "test.toml", "--seed", "5"]).done();
+    rewrite(&work, "test.toml", "zx.csv.gz", "results/run1-O1002.csv");
+    let told = work.ballbar(&["identify", "test.toml"]).done().stdout();
+    let told = told.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(told.contains("- run1-O1002: the model leaves "), "{told}");
+    assert!(told.contains("a log may be of another program or of another test"), "{told}");
+}

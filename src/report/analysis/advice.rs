@@ -55,18 +55,23 @@ pub(super) fn is_there(of: &PlaceResult) -> bool {
     of.value.abs() > THERE * of.all.or(of.noise).unwrap_or(f64::INFINITY)
 }
 
-/// How many times chance the fits leave, at most; `None` where all leave little more. Then nothing that they say is a reason
-/// to touch a machine.
-pub(super) fn beyond_chance(analysis: &Analysis) -> Option<f64> {
-    analysis.repeats.iter().filter_map(|repeat| repeat.beyond_chance).reduce(f64::max)
+/// The runs of which the model explains little: then nothing that it says is a reason to touch a machine.
+pub(super) fn little_explained(analysis: &Analysis) -> Vec<&str> {
+    analysis
+        .repeats
+        .iter()
+        .flat_map(|repeat| &repeat.little_explained)
+        .map(String::as_str)
+        .collect()
 }
 
 /// What to do, in sentences.
 pub(super) fn of(analysis: &Analysis) -> Vec<String> {
-    if let Some(times) = beyond_chance(analysis) {
+    let little_explained = little_explained(analysis);
+    if !little_explained.is_empty() {
         return vec![format!(
-            "Repair nothing by these numbers: the model leaves {} times what one reading differs from the next by chance. See that each log is of its run and its program, and what is uncertain.",
-            fixed(times, 0)
+            "Repair nothing by these numbers: of {} the model explains little beside the set-up. See that each log is of its run and its program, and what is uncertain.",
+            little_explained.join(", ")
         )];
     }
     let diagnosis = analysis.diagnosis.as_ref();
@@ -217,11 +222,11 @@ mod tests {
     #[test]
     fn nothing_is_repaired_by_what_explains_nothing() {
         let mut analysis = fixture::diagnosed().analysis.clone();
-        analysis.repeats[0].beyond_chance = Some(108.2);
+        analysis.repeats[0].little_explained = vec!["run2".to_owned()];
         let told = of(&analysis);
         assert_eq!(told.len(), 1, "{told:?}");
         assert!(told[0].starts_with("Repair nothing by these numbers"), "{told:?}");
-        assert!(told[0].contains("leaves 108 times"), "{told:?}");
+        assert!(told[0].contains("of run2 the model explains little"), "{told:?}");
     }
 
     #[test]

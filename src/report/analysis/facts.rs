@@ -199,9 +199,9 @@ pub struct RepeatResult {
     pub noise: NoiseResult,
     /// Root mean square of the residuals of the samples that were used, um.
     pub residual_rms_um: f64,
-    /// How many times chance that is; `None` where it is little more.
+    /// Names of the runs of which the model explains little.
     #[serde(skip)]
-    pub beyond_chance: Option<f64>,
+    pub little_explained: Vec<String>,
     /// What became of the samples.
     pub samples: SampleCounts,
     /// Gauss-Newton steps.

@@ -171,7 +171,8 @@ fn sentences(analysis: &Analysis) -> Vec<String> {
         ),
     }
     let (rms_um, before_um) = analysis.residual_rms_um();
-    let found = analysis.diagnosis.as_ref().and_then(|of| of.verdict.found.as_deref());
+    let verdict = analysis.diagnosis.as_ref().map(|of| &of.verdict);
+    let found = verdict.and_then(|of| of.found.as_deref());
     let before =
         before_um.map_or(String::new(), |um| format!(", without what was found {}", fixed(um, 2)));
     sentences.push(format!(
@@ -179,6 +180,7 @@ fn sentences(analysis: &Analysis) -> Vec<String> {
         found.map_or(String::new(), |found| format!("{found} ")),
         fixed(rms_um, 2)
     ));
+    sentences.extend(verdict.and_then(|of| of.doubt.clone()));
     sentences.into_iter().map(|sentence| fine(&sentence)).collect()
 }
 

@@ -203,7 +203,7 @@ fn repeat(
             effective_samples: finite(from.noise.effective_samples(from.used)),
         },
         residual_rms_um: from.rms_mm * 1e3,
-        beyond_chance: from.beyond_chance,
+        little_explained: from.little_explained.iter().map(|of| of.run.clone()).collect(),
         samples: from.runs.iter().fold(counts(&[]), |sum, run| {
             let of_run = counts(&run.records);
             SampleCounts {

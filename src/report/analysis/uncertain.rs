@@ -30,10 +30,10 @@ pub(super) fn of(analysis: &Analysis) -> Vec<String> {
     let others: Vec<String> = others.collect();
     let as_one = as_one(&open);
     // Where little is explained, what a test leaves open matters least.
-    let (first, last) = if advice::beyond_chance(analysis).is_some() {
-        (others, as_one.into_iter().collect())
-    } else {
+    let (first, last) = if advice::little_explained(analysis).is_empty() {
         (as_one.into_iter().collect::<Vec<_>>(), others)
+    } else {
+        (others, as_one.into_iter().collect())
     };
     let all: Vec<String> = first.into_iter().chain(left_out).chain(last).collect();
     let mut told: Vec<String> = Vec::new();

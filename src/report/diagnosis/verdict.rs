@@ -27,6 +27,8 @@ pub struct VerdictFacts {
     pub off_times: Vec<String>,
     /// How many effects were found; `None` where there are none.
     pub found: Option<String>,
+    /// Why none of them is sure, where little is explained of a run.
+    pub doubt: Option<String>,
     /// What share they explain; `None` where nothing was found or the share is not known.
     pub explained: Option<String>,
     /// What the residual would be without them; `None` where there are none.
@@ -36,12 +38,14 @@ pub struct VerdictFacts {
 }
 
 /// What the fits of a campaign left.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Left {
     /// Root mean square, mm.
     fit_mm: f64,
     /// How many times chance it is, at most; `None` where all leave little more.
     beyond_chance: Option<f64>,
+    /// The runs of which they explain little.
+    little_explained: Vec<String>,
 }
 
 impl Left {
@@ -51,7 +55,22 @@ impl Left {
         Self {
             fit_mm: (squares_mm2 / used.max(1) as f64).sqrt(),
             beyond_chance: fits.iter().filter_map(|of| of.beyond_chance).reduce(f64::max),
+            little_explained: fits
+                .iter()
+                .flat_map(|of| &of.little_explained)
+                .map(|of| of.run.clone())
+                .collect(),
         }
+    }
+
+    /// What is said of causes that were named beside a log that may be wrong.
+    fn doubt(&self) -> Option<String> {
+        (!self.little_explained.is_empty()).then(|| {
+            format!(
+                "Of {} little is explained all the same: no cause is sure until each log is known to be of its run and its program.",
+                self.little_explained.join(", ")
+            )
+        })
     }
 }
 
@@ -70,6 +89,7 @@ impl VerdictFacts {
             wrong_settings: wrong_settings.iter().map(setting).collect(),
             off_times: diagnosis.off_times.iter().map(off_time).collect(),
             found: something.then(|| found(&diagnosis.findings)),
+            doubt: left.doubt().filter(|_| something),
             explained: explained(all).filter(|_| something && shared(diagnosis)),
             repaired: something.then(|| {
                 format!(
@@ -102,7 +122,7 @@ impl VerdictFacts {
     fn what_is_wrong(&self) -> impl Iterator<Item = &str> {
         let stated = self.wrong_settings.iter().chain(&self.off_times).map(String::as_str);
         let structure = [self.structure.as_str()].into_iter().chain(self.following.as_deref());
-        structure.chain(stated).chain(self.found.as_deref())
+        structure.chain(stated).chain(self.found.as_deref()).chain(self.doubt.as_deref())
     }
 }
 
@@ -275,8 +295,10 @@ mod tests {
                 explained_interval: None,
                 smallest_mm: 1e-4,
             };
-            let of =
-                |beyond_chance| structure(&verdict, &Left { fit_mm: 0.016, beyond_chance }, false);
+            let of = |beyond_chance| {
+                let left = Left { fit_mm: 0.016, beyond_chance, little_explained: Vec::new() };
+                structure(&verdict, &left, false)
+            };
             let told = of(Some(108.0));
             assert!(
                 told.starts_with("The model leaves 16.000 um rms, which is 108 times"),
