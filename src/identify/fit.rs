@@ -101,6 +101,16 @@ pub(super) fn identify_on(
     fit.weighed(outcome, 0)
 }
 
+/// A time constant after a step that its slope over some time asks for, s: what slides do that follow goes with its square,
+/// and a slope is right as far as it was taken.
+fn followed_s(following_s: f64, step_s: f64, over_s: f64) -> f64 {
+    if step_s > over_s {
+        (following_s.powi(2) + (2.0 * following_s + over_s) * step_s).sqrt()
+    } else {
+        following_s + step_s
+    }
+}
+
 /// What comes out beyond so many of its deviations is more than plausible: 1 in 370 of honest machines.
 pub const IMPLAUSIBLE: f64 = 3.0;
 /// And is then given so many times the room: the readings have shown that they know better.
@@ -304,15 +314,20 @@ impl<'a> Fit<'a> {
             let clamped = |value: f64| value.clamp(-FARTHEST, FARTHEST);
             map.rate = clamped(map.rate + step[self.columns.rate(index)]);
             map.pace = clamped(map.pace + step[self.columns.pace(index)]);
-            let following_s = map.following_s + step[self.columns.following(index)];
+            let was_s = map.following_s;
+            let over_s = run.following_step_s;
+            let following_s = followed_s(was_s, step[self.columns.following(index)], over_s);
             map.following_s =
                 if self.state.at_once[index] { 0.0 } else { following_s.clamp(0.0, LONGEST_S) };
+            // What a share of the time constant does grows with the square of that, too.
+            let less =
+                if map.following_s > was_s { (was_s / map.following_s).powi(2) } else { 1.0 };
             for (column, contrast) in self.columns.delays(index).zip(&self.columns.delays[index]) {
                 let delays_s = map.delays_s + step[column] * contrast;
                 map.delays_s = delays_s.map(|s| s.clamp(-LONGEST_S, LONGEST_S));
             }
             for (column, contrast) in self.columns.longer(index).zip(&self.columns.longer[index]) {
-                let longer = map.longer + step[column] * contrast;
+                let longer = map.longer + less * step[column] * contrast;
                 map.longer = longer.map(|share| share.clamp(-timing::FARTHEST, timing::FARTHEST));
             }
             if let Some(cut) = self.columns.cut(index) {

@@ -3,8 +3,9 @@
 
 use std::path::Path;
 
+use ballbar::circular;
 use ballbar::diagnose::{Diagnosis, Finding, diagnose};
-use ballbar::identify::{Campaign, Failure};
+use ballbar::identify::{Apart, Campaign, Failure, Record};
 use ballbar::plan::Test;
 use ballbar::report::{Analysis, PlaceResult};
 
@@ -166,6 +167,18 @@ fn in_one_run_of_one_plane_two_effects_are_named() {
     assert!(diagnosis.verdict.after_mm < 0.1 * diagnosis.verdict.before_mm);
 }
 
+/// Three planes in arcs on a control that follows at once: the readings hardly tell a lag from the length of the bar, and what
+/// they tell goes with its square.
+#[test]
+fn a_lag_that_hardly_shows_lets_a_fit_come_to_rest() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/no_lag");
+    let (_, campaign, diagnosis) =
+        judge::diagnosed(&Test::read(&folder.join("test.toml")).unwrap());
+    assert!(diagnosis.findings.is_empty(), "{:?}", diagnosis.findings);
+    // 0.1035 um and the resolution were put in.
+    assert!(campaign.rms_mm() < 0.11e-3, "{}", campaign.rms_mm());
+}
+
 /// Little is left that changes along the arcs, so hardly anything tells when a reading was taken: such a fit comes to rest, too.
 #[test]
 fn a_compensated_machine_is_measured_again() {
@@ -289,4 +302,25 @@ fn three_planes_are_three_programs() {
     for run in &diagnosis.runs {
         assert!(run.before_mm < 1.1 * diagnosis.verdict.before_mm, "{run:?}");
     }
+}
+
+/// A reading of the feed-in that times of some milliseconds lay on the end of an arc is no part of its circle.
+#[test]
+fn what_was_read_on_the_way_in_is_no_part_of_a_circle() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/planar250");
+    let test = Test::read(&folder.join("test.toml")).unwrap();
+    let machine = test.machine().unwrap();
+    let mut campaign = Campaign::of(&test, &machine, Failure::Refuse, &|| ()).unwrap();
+    let deviations_mm = |campaign: &Campaign| -> Vec<f64> {
+        let tests = circular::of(&campaign.repeats[0]).unwrap().tests;
+        tests.iter().map(|of| of.deviation().unwrap().value_mm).collect()
+    };
+    let before_mm = deviations_mm(&campaign);
+    let run = &mut campaign.repeats[0].runs[0];
+    let at_end =
+        |record: &&mut Record| record.section().is_some() && record.apart == Some(Apart::End);
+    let last = run.records.iter_mut().rev().find(at_end).unwrap();
+    last.apart = Some(Apart::Ramp);
+    last.sample.deviation_mm += 1.0;
+    assert_eq!(deviations_mm(&campaign), before_mm);
 }
