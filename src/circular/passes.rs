@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::thresholds::{FEWEST, LARGEST, SHORTEST_RAD, WHOLE_RAD, WIDEST_GAP_RAD};
 use crate::align::{Circle, Section};
-use crate::identify::{Apart, IdentifiedRun, Record};
+use crate::identify::{IdentifiedRun, Record};
 
 /// What was done to readings before a value was made of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,9 +97,8 @@ impl Pass {
         let half_s = if alignment.averaged > 1 { 0.5 * alignment.sample_period_s } else { 0.0 };
         for (number, record) in records {
             let sample = &record.sample;
-            let unknown = matches!(record.apart, Some(Apart::TimeUnknown | Apart::End));
             let whole = [-half_s, half_s].iter().all(|s| section.is_data(sample.program_s + s));
-            if !whole || unknown {
+            if !whole || !record.is_on_arc() {
                 continue;
             }
             if record.rejected() {

@@ -110,6 +110,12 @@ impl Record {
         self.used() && self.weight < REJECTED
     }
 
+    /// Whether it was certainly read on an arc, though maybe where an axis turns round: times that end some milliseconds from where
+    /// readings were chosen lay one of the feed-in or of a standstill on the end of an arc.
+    pub fn is_on_arc(&self) -> bool {
+        self.section().is_some() && matches!(self.apart, None | Some(Apart::Reversal))
+    }
+
     /// Index of the section of the program that it lies on; `None` off the arcs.
     pub fn section(&self) -> Option<usize> {
         match self.sample.part {

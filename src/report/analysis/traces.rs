@@ -107,8 +107,9 @@ pub(super) fn circles(analysis: &Analysis, identifications: &[Identification]) -
                 for record in &run.records {
                     let sample = &record.sample;
                     // What may be of the feed-in would be a spur beside the circle.
+                    let on_arc = record.is_on_arc() || record.apart == Some(Apart::TimeUnknown);
                     if sample.part != Part::Arc(index)
-                        || record.apart == Some(Apart::End)
+                        || !on_arc
                         || record.rejected()
                         || !section.is_data(sample.program_s)
                     {
