@@ -55,7 +55,15 @@ impl Campaign {
         let apart: Vec<bool> = all.iter().map(|run| !as_stated(run)).collect();
         // Where all that could be laid is explained, it is one of the others that stands elsewhere.
         let any = of.is_ok() && !explained || !apart.contains(&true);
-        let possible = |[k, l]: [usize; 2]| any || apart[k] || apart[l];
+        // And neither of two that are exchanged stands in a repeat that is explained at the feed that is stated.
+        let as_it_should = |run: &&MeasuredRun| {
+            let is_of = |of: &&Identification| of.runs.iter().any(|other| other.name == run.name);
+            let repeat = of.as_ref().ok().and_then(|of| of.repeats.iter().find(is_of));
+            repeat.is_some_and(|of| fits(of) && !of.runs.iter().any(at_another_feed))
+        };
+        let suspect: Vec<bool> = all.iter().map(|run| !as_it_should(run)).collect();
+        let possible =
+            |[k, l]: [usize; 2]| suspect[k] && suspect[l] && (any || apart[k] || apart[l]);
         let may_halve = |[k, l]: [usize; 2]| {
             of.as_ref().is_ok_and(|of| of.may_halve([&all[k].name, &all[l].name]))
         };
