@@ -70,9 +70,27 @@ impl Campaign {
             runs: runs.iter().map(|run| MeasuredRun::read(test, run)).collect(),
         };
         let measured: Vec<MeasuredRepeat> = repeats.par_iter().map(read).collect();
-        let measured = Arc::new(measured);
-        let of = Self::of_repeats(test, machine, Arc::clone(&measured), failure, finished);
-        Self::refuse_exchanged(test, machine, &measured, of)
+        Self::unless_exchanged(test, machine, &Arc::new(measured), failure, finished)
+    }
+
+    /// Identifies all repeats, and refuses logs that stand at each other's runs before a repeat that cannot be identified.
+    fn unless_exchanged(
+        test: &Test,
+        machine: &Machine,
+        measured: &Arc<Vec<MeasuredRepeat>>,
+        failure: Failure,
+        finished: &(dyn Fn() + Sync),
+    ) -> Result<Self> {
+        let of = Self::of_repeats(test, machine, Arc::clone(measured), failure, finished);
+        Self::refuse_exchanged(test, machine, measured, of)?.or(failure)
+    }
+
+    /// As it is, or as what is left out fails it.
+    fn or(self, failure: Failure) -> Result<Self> {
+        match self.left_out.first() {
+            Some((_, error)) if failure == Failure::Refuse => Err(error.clone()),
+            _ => Ok(self),
+        }
     }
 
     /// What the fits leave, mm rms over all repeats.
@@ -92,8 +110,7 @@ impl Campaign {
         failure: Failure,
     ) -> Result<Self> {
         let measured = Arc::new(MeasuredRepeat::all(repeats));
-        let of = Self::of_repeats(test, machine, Arc::clone(&measured), failure, &|| ());
-        Self::refuse_exchanged(test, machine, &measured, of)
+        Self::unless_exchanged(test, machine, &measured, failure, &|| ())
     }
 
     /// Aligns and identifies repeats that were measured, the runs of each together.
@@ -106,7 +123,8 @@ impl Campaign {
         repeats: Vec<Vec<MeasuredRun>>,
         failure: Failure,
     ) -> Result<Self> {
-        Self::of_repeats(test, machine, Arc::new(MeasuredRepeat::all(repeats)), failure, &|| ())
+        let measured = Arc::new(MeasuredRepeat::all(repeats));
+        Self::of_repeats(test, machine, measured, failure, &|| ())?.or(failure)
     }
 
     /// The same measurements laid over their programs again, as another test and another machine have
@@ -125,7 +143,12 @@ impl Campaign {
     pub fn reidentified(&self, test: &Test, machine: &Machine) -> Result<Self> {
         let aligned = self.repeats.iter().map(Identification::again).collect();
         let (measured, left_out) = (Arc::clone(&self.measured), self.left_out.clone());
-        Self::of_aligned(test, machine, measured, aligned, left_out, Failure::Refuse, &|| ())
+        let failed = left_out.len();
+        let of = Self::of_aligned(test, machine, measured, aligned, left_out, &|| ())?;
+        match of.left_out.get(failed) {
+            Some((_, error)) => Err(error.clone()),
+            None => Ok(of),
+        }
     }
 
     /// What the fits leave, mm².
@@ -133,6 +156,7 @@ impl Campaign {
         self.repeats.iter().map(|repeat| repeat.rms_mm.powi(2) * repeat.used as f64).sum()
     }
 
+    /// Identifies all repeats that can be; one that cannot even be aligned fails it at once, or is left out.
     fn of_repeats(
         test: &Test,
         machine: &Machine,
@@ -147,13 +171,11 @@ impl Campaign {
         for (repeat, aligned) in measured.iter().zip(aligned) {
             match aligned {
                 Ok(aligned) => usable.push(aligned),
-                Err(error) if failure == Failure::LeaveOut => {
-                    left_out.push((repeat.names.clone(), error));
-                }
-                Err(error) => return Err(error),
+                Err(error) if failure == Failure::Refuse => return Err(error),
+                Err(error) => left_out.push((repeat.names.clone(), error)),
             }
         }
-        Self::of_aligned(test, machine, measured, usable, left_out, failure, finished)
+        Self::of_aligned(test, machine, measured, usable, left_out, finished)
     }
 
     /// Identifies repeats whose logs are aligned; `left_out` are those that could not be.
@@ -163,7 +185,6 @@ impl Campaign {
         measured: Arc<Vec<MeasuredRepeat>>,
         mut aligned: Vec<Vec<RunInput>>,
         mut left_out: Vec<(String, Error)>,
-        failure: Failure,
         finished: &(dyn Fn() + Sync),
     ) -> Result<Self> {
         let options = Options::of(test);
@@ -199,8 +220,7 @@ impl Campaign {
         for (names, result) in results {
             match result {
                 Ok(identification) => repeats.push(identification),
-                Err(error) if failure == Failure::LeaveOut => left_out.push((names, error)),
-                Err(error) => return Err(error),
+                Err(error) => left_out.push((names, error)),
             }
         }
         match left_out.first() {

@@ -6,10 +6,11 @@ use super::campaign::{Campaign, Failure};
 use super::fit::leaves_roughly_mm;
 use super::input::{Options, RunInput};
 use super::measured::{MeasuredRepeat, MeasuredRun};
+use super::place;
 use super::result::{Identification, IdentifiedRun};
 use crate::error::{Error, Kind, Result};
 use crate::machine::Machine;
-use crate::model::Model;
+use crate::model::{LOCAL, Model};
 use crate::plan::Test;
 
 /// Logs that leave less than this share of the residual when they are exchanged were: another program, or the same in
@@ -38,7 +39,9 @@ impl Campaign {
             Err(_) => true,
         };
         let explained = of.as_ref().is_ok_and(|campaign| campaign.repeats.iter().all(fits));
-        if explained && !mislaid {
+        // A log that cannot be read is told before where it may belong.
+        let unread = measured.iter().flat_map(|repeat| &repeat.runs).any(Result::is_err);
+        if explained && !mislaid || of.is_err() && unread {
             return of;
         }
         let all: Vec<&MeasuredRun> = measured
@@ -80,34 +83,44 @@ impl Campaign {
             runs.cloned().collect()
         });
         let readable: Vec<Vec<MeasuredRun>> = readable.collect();
-        let promising: Vec<&Pair> = match &of {
-            Ok(of) => {
-                let pairs: Vec<&Pair> = pairs.iter().filter(|pair| may_halve(pair.of)).collect();
-                let likeliest = of.model(test, machine, 0).ok().and_then(|model| {
-                    likeliest(&pairs, &readable, &model, test, EXCHANGED.powi(2))
-                });
-                likeliest.into_iter().collect()
-            }
-            Err(_) => pairs.iter().filter(|pair| pair.as_stated).collect(),
+        let promising = |pair: &&Pair| match &of {
+            Ok(_) => may_halve(pair.of),
+            Err(_) => pair.as_stated,
         };
-        for pair in promising {
+        let promising: Vec<&Pair> = pairs.iter().filter(promising).collect();
+        let model = match &of {
+            Ok(of) => of.model(test, machine, 0),
+            Err(_) => at_the_place(&all, test, machine),
+        };
+        let likeliest = model
+            .ok()
+            .and_then(|model| likeliest(&promising, &readable, &model, test, EXCHANGED.powi(2)));
+        if let Some(pair) = likeliest {
             let repeats = pair.in_place(&readable);
             let Ok(other) = Self::of_measured(test, machine, repeats, Failure::LeaveOut) else {
-                continue;
+                return of;
             };
             let exchanged_mm = other.rms_mm();
             let (as_listed_mm, left_out) = match &of {
                 Ok(campaign) => (campaign.rms_mm(), campaign.left_out.len()),
-                Err(_) => (f64::INFINITY, 0),
+                Err(_) => (f64::INFINITY, measured.len()),
             };
-            // Where nothing fits as it is listed, anything would be better.
-            let better = exchanged_mm < EXCHANGED * as_listed_mm
-                && (as_listed_mm.is_finite() || other.repeats.iter().all(fits));
-            if other.left_out.len() <= left_out && better {
-                let as_listed = if as_listed_mm.is_finite() {
-                    format!("the model leaves {:.2} um rms", 1e3 * as_listed_mm)
-                } else {
+            let fits_there = |name: &str| {
+                let there = other.repeats.iter().find(|of| of.runs.iter().any(|r| r.name == name));
+                there.is_some_and(fits)
+            };
+            // Where no model fits as it is listed, anything would be better.
+            let now_fits = other.left_out.len() < left_out;
+            let better = if now_fits {
+                names(pair).into_iter().all(fits_there)
+            } else {
+                other.left_out.len() == left_out && exchanged_mm < EXCHANGED * as_listed_mm
+            };
+            if better {
+                let as_listed = if now_fits {
                     "no model fits them".to_owned()
+                } else {
+                    format!("the model leaves {:.2} um rms", 1e3 * as_listed_mm)
                 };
                 let why = format!(
                     "as they are listed {as_listed}, exchanged {:.2} um",
@@ -135,6 +148,15 @@ impl Campaign {
 fn pairs_of(runs: &[&MeasuredRun]) -> impl Iterator<Item = [usize; 2]> {
     let number = runs.len();
     (0..number).flat_map(move |k| (k + 1..number).map(move |l| [k, l]))
+}
+
+/// What a machine does at the place of a test, whatever terms are asked for: for a first look where no model fits.
+fn at_the_place<'a>(runs: &[&MeasuredRun], test: &Test, machine: &'a Machine) -> Result<Model<'a>> {
+    let laid: Vec<RunInput> = runs.iter().filter_map(|r| r.aligned(test, machine).ok()).collect();
+    let frame = place::of(test, machine, laid.iter());
+    let names: Vec<String> = test.mountings().iter().map(|m| m.name.clone()).collect();
+    let terms = place::terms(&[LOCAL.to_owned()], frame.as_ref(), machine, &names)?;
+    Ok(Model::new(machine, test.mountings().iter().map(|m| m.mounting).collect(), terms))
 }
 
 /// Whether two runs were of other programs, or at other places.

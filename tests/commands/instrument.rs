@@ -279,6 +279,23 @@ fn logs_that_stand_at_each_others_run_at_another_feed() {
     assert!(message.contains("the logs of `yz` and `xy` stand at each other's run"), "{message}");
 }
 
+/// Far off centre readings differ so much that a wrong log beside a missing one seems to be explained.
+#[test]
+fn a_log_that_cannot_be_read_is_told_before_where_others_belong() {
+    let work = exchanged("planar", "xy", "xy");
+    rewrite(&work, "test.toml", "terms = [\"observable35\"]", "terms = [\"local\"]");
+    work.write("scenario.toml", "[set_up]\nEXt = 0.4\nEYt = 0.3\nEZt = -0.2\n");
+    let simulate = ["simulate", "test.toml", "--scenario", "scenario.toml", "--seed", "5"];
+    work.ballbar(&simulate).done();
+    std::fs::rename(work.path("results"), work.path("simulated")).unwrap();
+    work.write("simulated/run1-O1001.csv", "time_s,deviation_um\n0.0,\n");
+    for command in ["identify", "diagnose"] {
+        let told = work.ballbar(&[command, "simulated/test.toml"]).refused(1);
+        assert!(told.contains("the log is too short: it has one sample"), "{told}");
+        assert!(told.contains("run1-O1001.csv") && !told.contains("exchange"), "{told}");
+    }
+}
+
 #[test]
 fn a_log_of_another_run_that_was_copied() {
     let work = exchanged("planar", "xy", "xy");
