@@ -63,7 +63,12 @@ fn test_toml(factors: &Factors, feed_mm_min: f64, second_mm: [f64; 3]) -> String
     if factors.driven == Driven::TwoPlaces {
         text.push_str(&mounting("B", std::array::from_fn(|k| ball_mm[k] + second_mm[k])));
     }
-    text + &format!("[plan]\nstrategy = \"3d6\"\nfeed_mm_min = {feed_mm_min:?}\n")
+    let strategy = match factors.driven {
+        Driven::Plane => "xy",
+        Driven::Planes => "iso230-4",
+        Driven::Sphere | Driven::TwoPlaces => "3d6",
+    };
+    text + &format!("[plan]\nstrategy = \"{strategy}\"\nfeed_mm_min = {feed_mm_min:?}\n")
 }
 
 /// A plane as it is tested every day: G03 and G02 all round, the bar engaged along the first axis.
