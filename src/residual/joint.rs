@@ -150,9 +150,26 @@ fn derivative(
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
-    use super::super::bench::{element, residuals};
+    use super::super::bench::{element, residuals, white};
     use super::*;
+
+    /// A ball that moves by a millimetre within some seconds: a set-up error follows nearly all of that, and what is left tells how far.
+    #[test]
+    fn a_large_drift_that_the_model_follows_has_its_amplitude() {
+        const NOISE_MM: f64 = 1.5e-4;
+        const DRIFT_MM: f64 = 1.0;
+        let noise = residuals(1, white(3, NOISE_MM));
+        let element = element("drift:on=EXt,time_constant_s=1");
+        let mut drift = noise.zeros();
+        drift.add(DRIFT_MM, &element.columns(&noise)[0]);
+        let fitted = fit(&noise.plus(&drift).alone(), vec![element]).unwrap();
+        let sigma_mm = NOISE_MM * fitted.inverse[(0, 0)].sqrt();
+        let off = (fitted.amplitudes[0][0] - DRIFT_MM) / sigma_mm;
+        assert!(fitted.share_outside < 0.02, "{}", fitted.share_outside);
+        assert!(sigma_mm < 2e-4 && off.abs() < 3.0, "{off} sigma of {sigma_mm} mm");
+    }
 
     /// Every cause with a number inside, against central differences with another step.
     #[test]
