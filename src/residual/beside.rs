@@ -9,13 +9,20 @@ use super::residuals::Residuals;
 /// A column of which less than this share of its square is left adds nothing but rounding.
 const NOTHING_LEFT: f64 = 1e-7;
 
-/// Residuals beside accepted effects: with `X` their columns outside of what the fits follow, made
-/// orthonormal, `e' = e - X X^T e`.
+/// Residuals beside accepted effects. With `M = 1 - Q Q^T` for what the fits leave of a column and `x_k` combinations of the effects'
+/// columns with `x_i · M x_k = 1` where `i = k` and 0 elsewhere,
+///
+/// ```text
+/// u_k = M x_k,     c'' = M c - sum_k u_k (u_k · c),     e' = e - sum_k u_k (x_k · e)
+/// ```
+///
+/// Where the fits hold a number to what is plausible of it, `M M` is not `M`: a square is always `c · M c`, by which the sum of
+/// squares and of what is plausible falls, never `|M c|²`.
 #[derive(Debug)]
 pub struct Beside<'a> {
     /// The residuals.
     pub residuals: &'a Residuals,
-    /// Orthonormal columns of the accepted effects, outside of what the fits follow.
+    /// `u_k` of the accepted effects.
     pub span: Vec<Column>,
     /// What is left, mm, times the root of the weight.
     pub left_mm: Column,
@@ -28,11 +35,7 @@ impl Residuals {
         let (span, left_mm) = (Vec::new(), self.model_mm.clone());
         let mut beside = Beside { residuals: self, span, left_mm, noise: OnceLock::new() };
         for column in columns {
-            beside.span.extend(beside.unit(column));
-        }
-        for unit in &beside.span {
-            let along = unit.product(&beside.left_mm);
-            beside.left_mm.add(-along, unit);
+            beside.accept(column);
         }
         beside
     }
@@ -54,21 +57,24 @@ impl Beside<'_> {
         self.left_mm.square()
     }
 
-    /// A column outside of what the fits follow, without its part in the accepted effects.
-    pub fn outside(&self, outside_of_fits: Column) -> Column {
-        let mut rest = outside_of_fits;
+    /// A column outside of what the fits follow and of the accepted effects, `c''`.
+    pub fn outside(&self, column: &Column) -> Column {
+        let mut rest = self.residuals.outside(column);
         for unit in &self.span {
-            let along = unit.product(&rest);
-            rest.add(-along, unit);
+            rest.add(-unit.product(column), unit);
         }
         rest
     }
 
-    /// The direction that a column adds to what is accepted; `None` where next to nothing is new.
-    fn unit(&self, column: &Column) -> Option<Column> {
-        // Twice: once leaves the rounding of the first time.
-        let rest = self.outside(self.outside(self.residuals.outside(column)));
-        let square = rest.square();
-        (square > NOTHING_LEFT * column.square()).then(|| rest.times(square.sqrt().recip()))
+    /// Accepts a column, unless next to nothing of it is new.
+    fn accept(&mut self, column: &Column) {
+        let rest = self.outside(column);
+        let square = column.product(&rest);
+        if square > NOTHING_LEFT * column.square() {
+            // What was accepted before is in none of what is left, so `x · e` is that of the column itself.
+            let along = column.product(&self.left_mm) / square;
+            self.left_mm.add(-along, &rest);
+            self.span.push(rest.times(square.sqrt().recip()));
+        }
     }
 }

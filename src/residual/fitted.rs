@@ -47,7 +47,7 @@ impl Fitted {
 
     /// The effects outside of what the fits follow and of what has been accepted, mm.
     pub fn outside(&self, beside: &Beside) -> Column {
-        beside.outside(self.outside_of_fits(beside.residuals))
+        beside.outside(&self.sum(beside.residuals))
     }
 
     /// What is left with the effects besides what has been accepted, mm.
@@ -57,9 +57,10 @@ impl Fitted {
         left
     }
 
-    /// Sum of squares of one of the elements outside of what the fits follow, mm².
+    /// By how much the sum of squares would rise without one of the elements if it were the only one, mm².
     pub fn part_mm2(&self, element: usize, residuals: &Residuals) -> f64 {
-        self.part(element).outside_of_fits(residuals).square()
+        let sum = self.part(element).sum(residuals);
+        sum.product(&residuals.outside(&sum))
     }
 
     /// One of the elements alone, as it was fitted with the others.

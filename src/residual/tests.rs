@@ -3,7 +3,7 @@
 use super::bench::{effect, element, residuals, white};
 use super::*;
 use crate::model::AMPLITUDE;
-use crate::solve::{Cholesky, dot};
+use crate::solve::{Basis, Cholesky, dot};
 
 /// Noise of a reading, mm.
 const NOISE_MM: f64 = 1.5e-4;
@@ -47,6 +47,40 @@ fn beside_an_effect_nothing_of_it_is_left_and_twice_is_once() {
     assert_eq!(twice.span.len(), once.span.len(), "what is accepted already adds nothing");
     assert!((twice.left_mm2() - once.left_mm2()).abs() < 1e-12 * once.left_mm2());
     assert!(once.left_mm2() < 0.2 * residuals.alone().left_mm2());
+}
+
+/// A fit that holds its numbers to what is plausible of them follows a column only in part: what two effects explain together is what
+/// one does, and then the other beside it.
+#[test]
+fn what_two_effects_explain_is_what_one_does_and_the_other_beside_it() {
+    let mut residuals = residuals(2, white(4, NOISE_MM));
+    for (repeat, left_mm) in residuals.repeats.iter_mut().zip(residuals.model_mm.iter_mut()) {
+        let mut held = Basis::with_room(repeat.basis.rank(), repeat.samples.len());
+        for sample in 0..repeat.samples.len() {
+            let row: Vec<f64> = repeat.basis.row(sample).map(|q| 0.8 * q).collect();
+            held.push(&row);
+        }
+        repeat.basis = held;
+        *left_mm = repeat.basis.outside(left_mm);
+    }
+    let (first, second) =
+        (element("drift:on=EXt,time_constant_s=20"), element("drift:on=EXX1,time_constant_s=40"));
+    let alone = residuals.alone();
+    let gain_mm2 = |beside: &Beside, elements: &[&Element]| {
+        let mut system = System::default();
+        for element in elements {
+            system.push_element(beside, element, element.columns(&residuals));
+        }
+        let (normal, common) = system.part(elements.len());
+        dot(&Cholesky::of(&normal).unwrap().solve(common), common)
+    };
+    let both_mm2 = gain_mm2(&alone, &[&first, &second]);
+    let beside = residuals.beside(&first.columns(&residuals));
+    let then_mm2 = gain_mm2(&alone, &[&first]) + gain_mm2(&beside, &[&second]);
+    assert!((then_mm2 / both_mm2 - 1.0).abs() < 1e-4, "{then_mm2} {both_mm2}");
+    // Where the span were unit columns of what is left, a drift would be left over where it is accepted.
+    let again = System::of(&beside, &first).share_outside();
+    assert!(again.abs() < 1e-6, "{again}");
 }
 
 #[test]

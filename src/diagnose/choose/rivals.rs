@@ -7,7 +7,7 @@ use super::search::Search;
 use crate::diagnose::seek::curves;
 use crate::diagnose::thresholds::{ONE_NUMBER, SAME, UNDECIDED_SIGMAS, threshold_mm2};
 use crate::model::{Component, Form, Inner, Law, Seat, Start};
-use crate::residual::{self, Column, Element, Fitted, Noise};
+use crate::residual::{self, Beside, Column, Element, Fitted, Noise};
 
 impl Search<'_> {
     /// What else an element could be; and all effects with a better one in its place, if there is one.
@@ -30,8 +30,7 @@ impl Search<'_> {
         };
         let noise = all.noise();
         let pieces = (all.left_mm2() / noise.long_run_mm2).max(1.0);
-        let trace = own.outside(&prospect.beside);
-        let duel = Duel { noise, pieces, own: &own, trace };
+        let duel = Duel { noise, pieces, own: &own, beside: &prospect.beside };
         let mut rivals = Vec::new();
         let mut better: Option<Fitted> = None;
         for other in tried {
@@ -39,9 +38,8 @@ impl Search<'_> {
             if alike(rival, element) {
                 continue;
             }
-            let trace = other.fitted.outside(&prospect.beside);
             let less_mm2 = duel.less_mm2(&other.fitted);
-            let separation = duel.separation(&trace, less_mm2);
+            let separation = duel.separation(&other.fitted, less_mm2);
             let first = duel.named_first(&other.fitted, &own);
             let preferred = match separation {
                 Separation::Same | Separation::Undecided => first,
@@ -69,8 +67,8 @@ struct Duel<'a> {
     /// How many readings would say as much if they were independent.
     pieces: f64,
     own: &'a Fitted,
-    /// What it does outside of everything else.
-    trace: Column,
+    /// Everything else.
+    beside: &'a Beside<'a>,
 }
 
 impl Duel<'_> {
@@ -105,14 +103,20 @@ impl Duel<'_> {
         one.gain_mm2 - a as f64 * price_mm2 > other.gain_mm2 - b as f64 * price_mm2
     }
 
-    /// Whether these runs tell another one apart, which explains so much less: with traces `t` and `t'` the
-    /// difference of the gains has the standard deviation `2 sqrt(v) |t - t'|`.
-    fn separation(&self, trace: &Column, less_mm2: f64) -> Separation {
-        let mut apart = self.trace.clone();
-        apart.add(-1.0, trace);
-        let apart_mm2 = apart.square();
-        let doubt_mm2 = UNDECIDED_SIGMAS * 2.0 * (self.noise.long_run_mm2 * apart_mm2).sqrt();
-        if apart_mm2 < SAME * self.trace.product(&self.trace) {
+    /// Whether these runs tell another one apart, which explains so much less: with `t` and `t'` what they do at the samples the
+    /// difference of the gains has the standard deviation `2 sqrt(v) |t - t'|`, where `|t|² = t · t''` is what a [`Beside`] leaves.
+    /// Of curves a part of the gain is what their knots make of it.
+    fn separation(&self, other: &Fitted, less_mm2: f64) -> Separation {
+        let square_mm2 = |column: &Column| column.product(&self.beside.outside(column));
+        let own = self.own.sum(self.beside.residuals);
+        let mut apart = own.clone();
+        apart.add(-1.0, &other.sum(self.beside.residuals));
+        let apart_mm2 = square_mm2(&apart);
+        let curves = self.own.elements[0].curve().and(other.elements[0].curve());
+        let by_knots_mm2 = curves.map_or(0.0, |_| SAME * self.own.gain_mm2);
+        let by_noise_mm2 = UNDECIDED_SIGMAS * 2.0 * (self.noise.long_run_mm2 * apart_mm2).sqrt();
+        let doubt_mm2 = by_noise_mm2.max(by_knots_mm2);
+        if apart_mm2 < SAME * square_mm2(&own) {
             Separation::Same
         } else if less_mm2.abs() < doubt_mm2 {
             Separation::Undecided

@@ -323,11 +323,11 @@ fn step(
 /// What a setting explains of the residuals; `None` where the model follows it.
 fn explained(alone: &Beside, setting: Setting, column: &Column) -> Option<Tried> {
     let outside = alone.residuals.outside(column);
-    let (square, whole) = (outside.square(), column.square());
+    let (square, whole) = (column.product(&outside), column.square());
     if whole <= 0.0 || square < FOLLOWED * whole {
         return None;
     }
-    let common = outside.product(&alone.left_mm);
+    let common = column.product(&alone.left_mm);
     let per = ASIDE_MM / square;
     Some(Tried {
         setting,
