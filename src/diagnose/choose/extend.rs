@@ -14,8 +14,7 @@ use crate::model::{Form, HeldEffect};
 use crate::plan::Test;
 use crate::residual::{self, Beside, Column, Element, Fitted, Noise, Owner, Residuals};
 
-/// A change of the sum of squares by less than this part of the gain is none; nor is one by less than what the noise moves a
-/// single number by.
+/// A delay in common that gains this share more is another one.
 const SETTLED: f64 = 1e-3;
 /// Identified anew so often at most.
 const MOST_ROUNDS: usize = 3;
@@ -47,17 +46,17 @@ pub(crate) fn extend(
         };
         let Ok(extended) = extended else { break };
         let about = Residuals::of(test, machine, &extended)?;
-        let left_mm2 = about.alone().left_mm2();
-        let effects = sum(&fitted, &about);
-        let about = about.plus(&effects);
+        let mut moved = sum(&fitted, &about);
+        let about = about.plus(&moved);
         let alone = about.alone();
         let Some(again) = fit(&alone, &fitted.elements) else { break };
-        let moved_mm2 = left_mm2 - (alone.left_mm2() - again.gain_mm2);
+        moved.add(-1.0, &again.sum(&about));
+        let moved_mm2 = moved.product(&about.outside(&moved));
         let noise = Noise::of(&about, &again.left_mm(&alone));
         drop(alone);
         fitted = again;
         last = Some((extended, about));
-        if moved_mm2.abs() < noise.long_run_mm2.max(SETTLED * fitted.gain_mm2) {
+        if moved_mm2 < noise.long_run_mm2 {
             break;
         }
     }
