@@ -21,8 +21,11 @@ use crate::solve::{Cholesky, dot};
 
 /// Steps of Gauss-Newton; a good start takes three.
 const MOST_STEPS: usize = 12;
-/// A step that lowers the sum of squares by less than this share of the gain is the last.
+/// A step that lowers the sum of squares by less than this share of the gain is the last,
 const SETTLED: f64 = 1e-4;
+/// if it is less than this share of what noise is in one sample too. Chance gains at least the whole of that by each number, so a
+/// number is within a third of its deviation; of a large effect a ten-thousandth of the gain can be ten deviations.
+const OF_CHANCE: f64 = 0.1;
 /// Steps that do not help are halved until they are shorter than this.
 const SHORTEST: f64 = 0.1;
 
@@ -38,6 +41,7 @@ pub fn fit_to(beside: &Beside, elements: Vec<Element>, repeats: &[bool]) -> Opti
     let mut elements = elements;
     let mut best: Option<Fitted> = None;
     let mut shorter = 1.0;
+    let negligible_mm2 = OF_CHANCE * beside.noise().neighbours_mm2;
     for _ in 0..MOST_STEPS {
         let (mut system, counts) = system(beside, &elements, repeats);
         let linear = system.columns.len();
@@ -52,8 +56,8 @@ pub fn fit_to(beside: &Beside, elements: Vec<Element>, repeats: &[bool]) -> Opti
             elements = half_way(&elements, &best.elements);
             continue;
         }
-        let settled =
-            best.as_ref().is_some_and(|best| gain_mm2 - best.gain_mm2 < SETTLED * gain_mm2);
+        let least_mm2 = negligible_mm2.min(SETTLED * gain_mm2);
+        let settled = best.as_ref().is_some_and(|best| gain_mm2 - best.gain_mm2 < least_mm2);
         let share_outside = system.share_outside();
         let amplitudes = split(&amplitudes, &counts);
         let mut inside = Vec::new();
@@ -169,6 +173,24 @@ mod tests {
         let off = (fitted.amplitudes[0][0] - DRIFT_MM) / sigma_mm;
         assert!(fitted.share_outside < 0.02, "{}", fitted.share_outside);
         assert!(sigma_mm < 2e-4 && off.abs() < 3.0, "{off} sigma of {sigma_mm} mm");
+    }
+
+    /// What counts when a fit comes to rest is what chance would explain, not a share of what a large effect does.
+    #[test]
+    fn the_number_inside_of_a_large_effect_is_found_to_its_sigma() {
+        const NOISE_MM: f64 = 1.5e-4;
+        const DRIFT_MM: f64 = 0.3;
+        let noise = residuals(1, white(3, NOISE_MM));
+        let mut drift = noise.zeros();
+        let truth = element("drift:on=EXt,time_constant_s=800");
+        drift.add(DRIFT_MM, &truth.columns(&noise)[0]);
+        let start = element("drift:on=EXt,time_constant_s=1000");
+        let fitted = fit(&noise.plus(&drift).alone(), vec![start]).unwrap();
+        let inner = fitted.inner_index(0).unwrap();
+        let sigma = NOISE_MM * fitted.inverse[(inner, inner)].sqrt();
+        let found = fitted.elements[0].free().unwrap();
+        let off = (found - truth.free().unwrap()) / sigma;
+        assert!(off.abs() < 2.0, "{off} sigma of {sigma}, {found}");
     }
 
     /// Every cause with a number inside, against central differences with another step.
