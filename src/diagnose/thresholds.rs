@@ -23,9 +23,13 @@ const WORTH_NAMING: f64 = 0.2;
 /// leaves as much at its standstills.
 const WORTH_A_DIGIT_MM: f64 = 2.5e-5;
 
-/// An effect of which less than this part of its square is left outside of the model does not show: 2 % of its
-/// rms. By trial: of an effect of 10 um 0.2 um are left then, as large as the noise.
-pub(crate) const SHOWS: f64 = 4e-4;
+/// No effect moves a reading farther, mm: what a search leaves out that is linear, the square of this over two bars of 150 mm, is as
+/// large as the noise then, and machines are worth a test that warm by less.
+pub(crate) const FARTHEST_MM: f64 = 0.3;
+
+/// An effect of which less than this part of its square is left outside of the model does not show: one that moves readings by
+/// [`FARTHEST_MM`] leaves less than a micrometre.
+pub(crate) const SHOWS: f64 = 1e-5;
 /// A change of a setting of which less than this part of its square is left is followed by the model. By trial:
 /// one part in ten thousand of what another pivot changes, rms, still shows, because levers are long.
 pub(crate) const FOLLOWED: f64 = 1e-8;

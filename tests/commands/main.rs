@@ -35,4 +35,5 @@ mod settings;
 mod talk;
 mod together;
 mod volume;
+mod warming;
 mod work;

@@ -11,7 +11,7 @@ use crate::diagnose::seek::candidate::{Candidate, Tried};
 use crate::diagnose::seek::screen::{Prospect, Screen};
 use crate::diagnose::seek::{curves, vibration};
 use crate::diagnose::thresholds::{
-    OF_A_CURVE, SHADOW, SHOWS, chosen_mm2, stands_mm2, threshold_mm2,
+    FARTHEST_MM, OF_A_CURVE, SHADOW, SHOWS, chosen_mm2, stands_mm2, threshold_mm2,
 };
 use crate::identify::Campaign;
 use crate::residual::{self, Beside, Element, Fitted, Noise, Owner, Residuals, Tuning};
@@ -22,6 +22,8 @@ pub(crate) const MOST_EFFECTS: usize = 6;
 const CLOSELY: usize = 10;
 /// And only those that explain at least this share of what the best one does.
 const WORTH_A_LOOK: f64 = 0.4;
+/// What is left of effects, as a share of what they explain, because a search is linear. By trial: 3 % of their rms.
+const NOT_LINEAR: f64 = 1e-3;
 /// Nothing is looked at closely where the best candidate explains less than this share of what counts: the look
 /// over bins is no worse than that.
 const NEAR_WHAT_COUNTS: f64 = 0.5;
@@ -82,7 +84,8 @@ impl<'a> Search<'a> {
         while chosen.as_ref().map_or(0, |fitted| fitted.elements.len()) < most {
             let Some((next, score_mm2)) = self.next(chosen.as_ref(), with_curves) else { break };
             let curve = chosen.as_ref().map_or(0.0, |fitted| self.largest_curve(fitted));
-            if score_mm2.sqrt() < SHADOW * curve {
+            if score_mm2.sqrt() < SHADOW * curve || score_mm2 < self.not_linear_mm2(chosen.as_ref())
+            {
                 break;
             }
             let before = chosen.iter().flat_map(|fitted| fitted.elements.clone());
@@ -90,6 +93,13 @@ impl<'a> Search<'a> {
             chosen = Some(all);
         }
         chosen
+    }
+
+    /// What gains less than this beside effects is looked for about the model with them: about one without them, whose numbers and
+    /// times they have moved, it may be what is not linear of the effects themselves.
+    fn not_linear_mm2(&self, chosen: Option<&Fitted>) -> f64 {
+        let gain_mm2 = chosen.map_or(0.0, |fitted| fitted.gain_mm2);
+        if self.residuals().held { 0.0 } else { NOT_LINEAR * gain_mm2 }
     }
 
     /// What explains most beside what has been chosen, with its score, mm².
@@ -194,7 +204,10 @@ fn closely(beside: &Beside, mut candidates: Vec<Candidate>, least_mm2: f64) -> V
         .filter_map(|candidate| {
             let fitted = residual::fit(beside, vec![candidate.element])?;
             let shows = fitted.share_outside > SHOWS;
-            (shows && fitted.elements[0].possible(beside.residuals)).then_some(fitted)
+            let moves = fitted.sum(beside.residuals);
+            let farthest_mm = moves.iter().flatten().fold(0.0_f64, |most, mm| most.max(mm.abs()));
+            (shows && farthest_mm < FARTHEST_MM && fitted.elements[0].possible(beside.residuals))
+                .then_some(fitted)
         })
         .collect();
     let Some(best) = fitted.iter().max_by(|a, b| a.gain_mm2.total_cmp(&b.gain_mm2)) else {

@@ -143,8 +143,7 @@ impl Search<'_> {
             let beside = self.beside(Some(&instead));
             let kept_mm2 = start.as_ref().map_or(0.0, |kept| kept.gain_mm2);
             let of_smooth_mm2 = |fitted: &Fitted| score_mm2(&beside, fitted) - kept_mm2;
-            // Where a curve is needed anyway, nothing smooth over the same is named beside it.
-            if described || of_smooth_mm2(&instead) > OF_A_CURVE * of_smooth_mm2(&best) {
+            if of_smooth_mm2(&instead) > OF_A_CURVE * of_smooth_mm2(&best) {
                 best = instead;
             }
         }
