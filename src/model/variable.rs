@@ -115,12 +115,15 @@ pub struct Dependence {
 impl Dependence {
     /// The variable's value and by which sign the effect counts; `None` where a slide has never reversed.
     pub fn value(&self, pose: &Pose, motion: &Motion) -> Option<(f64, f64)> {
-        let value = self.variable.value(pose, motion)?;
-        let sense = match self.variable.slide() {
+        Some((self.variable.value(pose, motion)?, self.sense(pose)))
+    }
+
+    /// By which sign the effect counts.
+    pub fn sense(&self, pose: &Pose) -> f64 {
+        match self.variable.slide() {
             Some(axis) if self.with_sense => pose.sense[axis.index()],
             _ => 1.0,
-        };
-        Some((value, sense))
+        }
     }
 
     /// The variable's value and what one of the effect there does to the length, mm per mm or rad.

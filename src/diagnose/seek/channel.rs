@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::model::{Dependence, Seat, Situation, Variable};
+use crate::model::{Dependence, Seat, Variable};
 use crate::residual::{Beside, Residuals, Sample};
 use crate::solve::{Cholesky, Matrix, dot};
 
@@ -132,7 +132,8 @@ impl Gathered {
 #[derive(Debug)]
 pub(crate) struct Channel {
     pub(crate) of: Dependence,
-    /// Mean value of the samples in each bin, weighted by what they are worth.
+    /// Mean value of the samples in each bin, weighted by what they are worth; of the one bin more that a slide is in before it has
+    /// ever reversed there is none.
     pub(crate) centers: Vec<f64>,
     repeats: Vec<Gathered>,
 }
@@ -191,28 +192,28 @@ impl Channel {
             let rank = repeat.basis.rank();
             // That of any seat.
             let of = Dependence { seat: Seat::Bar, variable, with_sense };
-            let value = |at: &Situation| of.value(&at.pose, &at.motion);
-            let values: Vec<Option<(f64, f64)>> =
-                repeat.samples.iter().map(|sample| value(&sample.situation)).collect();
-            let place = |at: &Option<(f64, f64)>| {
-                let placed = at.map(|(value, sense)| (bins.index(value) as u16, sense as i8));
-                let (bin, sign) = placed.unwrap_or_default();
-                Place { bin, sign }
+            let value =
+                |sample: &Sample| variable.value(&sample.situation.pose, &sample.situation.motion);
+            let values: Vec<Option<f64>> = repeat.samples.iter().map(value).collect();
+            let place = |(sample, value): (&Sample, &Option<f64>)| {
+                let bin = value.map_or(bins.count, |value| bins.index(value));
+                Place { bin: bin as u16, sign: of.sense(&sample.situation.pose) as i8 }
             };
-            let places: Arc<[Place]> = values.iter().map(place).collect();
+            let places: Arc<[Place]> = repeat.samples.iter().zip(&values).map(place).collect();
             for ((channel, weights), worths) in channels.iter_mut().zip(&mut weights).zip(&worths) {
                 let mut gathered = Gathered {
-                    squares: vec![0.0; bins.count],
-                    followed: vec![0.0; bins.count * rank],
+                    squares: vec![0.0; bins.count + 1],
+                    followed: vec![0.0; (bins.count + 1) * rank],
                     rank,
                     places: Arc::clone(&places),
                     worths: Arc::clone(&worths[index]),
                 };
                 for (k, (value, place)) in values.iter().zip(&*places).enumerate() {
-                    let Some((value, _)) = value else { continue };
                     let (bin, worth) = (usize::from(place.bin), place.worth(worths[index][k]));
-                    weights[bin] += worth * worth;
-                    channel.centers[bin] += worth * worth * value;
+                    if let Some(value) = value {
+                        weights[bin] += worth * worth;
+                        channel.centers[bin] += worth * worth * value;
+                    }
                     gathered.squares[bin] += worth * worth;
                     let followed = &mut gathered.followed[bin * rank..][..rank];
                     for (m, q) in followed.iter_mut().zip(repeat.basis.row(k)) {
@@ -232,7 +233,7 @@ impl Channel {
 
     /// The channel beside what has been accepted.
     pub(crate) fn beside(&self, beside: &Beside) -> Look<'_> {
-        let count = self.centers.len();
+        let count = self.centers.len() + 1;
         let of_column = |column: &[Vec<f64>]| -> Vec<Vec<f64>> {
             self.repeats.iter().zip(column).map(|(of, column)| of.sums(count, column)).collect()
         };
@@ -275,7 +276,7 @@ impl Look<'_> {
     }
 
     /// What shapes over the bins explain together, each with one amplitude for all repeats; `ridge` keeps
-    /// shapes apart that hardly differ, as a share of their squares.
+    /// shapes apart that hardly differ, as a share of their squares. A shape may say what there is before a slide has reversed.
     pub(crate) fn explained(&self, shapes: &[Vec<f64>], ridge: f64) -> Option<Explained> {
         let n = shapes.len();
         // Hats of a curve are zero nearly everywhere.

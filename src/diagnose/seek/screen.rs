@@ -187,7 +187,7 @@ fn numbers(cause: &Cause, seat: Seat, longest: f64, middle: f64) -> Vec<Option<f
 }
 
 /// The causes that hang on a channel's variable.
-fn of_channel(channel: &Look, middle_mm: &[f64; 3]) -> Vec<Candidate> {
+pub(super) fn of_channel(channel: &Look, middle_mm: &[f64; 3]) -> Vec<Candidate> {
     let place = channel.of;
     let hangs_on_it = |cause: &&Cause| {
         let axis = place.variable.slide().unwrap_or(Axis::X);
@@ -210,7 +210,10 @@ fn of_cause(cause: &'static Cause, channel: &Look, middle: f64) -> Vec<Candidate
         _ => return Vec::new(),
     };
     let explained = |inner: Option<f64>| {
-        let over = channel.centers.iter().map(|v| f(*v, inner.unwrap_or(0.0))).collect();
+        let at = |value: f64| f(value, inner.unwrap_or(0.0));
+        // What it is before its slide has ever reversed; over other variables no sample is there.
+        let never = Some(at(f64::INFINITY)).filter(|f| f.is_finite());
+        let over = channel.centers.iter().copied().map(at).chain(never).collect();
         let explained = channel.explained(&[over], 0.0)?;
         (explained.share_outside > SHOWS).then_some((inner, explained.gain_mm2))
     };

@@ -1,10 +1,10 @@
 //! What a look over bins and moments finds, against the columns themselves.
 
 use super::channel::{Channel, Worths};
-use super::screen::gathered;
+use super::screen::{gathered, of_channel};
 use super::{curves, knock};
 use crate::machine::Axis;
-use crate::model::{CAUSES, Seat, Shape, Start, Variable};
+use crate::model::{CAUSES, Reversal, Seat, Shape, Start, Variable};
 use crate::residual::bench::{element, residuals, white};
 use crate::residual::{Beside, Element, Owner, Residuals, System, fit};
 
@@ -48,6 +48,33 @@ fn a_channel_explains_what_the_columns_explain() {
             assert!((binned.gain_mm2 / gain_mm2 - 1.0).abs() < most + 1e-3, "{period_mm} mm");
         }
     }
+}
+
+/// Before a slide has ever reversed an effect is what it is long after. A channel that left these samples out explained a thirtieth of a
+/// pre-sliding of which the fits follow nearly all.
+#[test]
+fn an_effect_is_looked_for_before_its_slide_has_reversed_too() {
+    let pre_sliding = element("pre-sliding:on=EYX,distance_mm=12");
+    let mut residuals = residuals(1, white(5, NOISE_MM));
+    let repeat = &mut residuals.repeats[0];
+    let reverses = repeat.samples.len() / 4;
+    for (k, sample) in repeat.samples.iter_mut().enumerate().skip(reverses) {
+        let ago = (k - reverses) as f64;
+        sample.situation.motion.reversals[0] =
+            Some(Reversal { ago_s: 0.1 * ago, ago_mm: 0.5 * ago });
+    }
+    let put_in = pre_sliding.columns(&residuals);
+    let mut effect = residuals.zeros();
+    effect.add(5e-3, &put_in[0]);
+    let residuals = residuals.plus(&effect);
+    let alone = residuals.alone();
+    let (seat, variable) = (Seat::parse("EYX").unwrap(), Variable::WaySinceReversal(Axis::X));
+    let channels = Channel::gather(&Worths::of(&residuals, [seat].into()), variable, true, &[seat]);
+    let found = of_channel(&channels[0].beside(&alone), &residuals.middle_mm);
+    let [only] = found.as_slice() else { panic!("{found:?}") };
+    assert_eq!(only.element.shape().unwrap().cause, pre_sliding.shape().unwrap().cause);
+    let exact = gain_mm2(System::of(&alone, &only.element), &only.element, &alone);
+    assert!((only.gain_mm2 / exact - 1.0).abs() < 0.02, "{} of {exact}", only.gain_mm2);
 }
 
 /// Also where a run has a second left.
