@@ -23,12 +23,13 @@ const WORTH_NAMING: f64 = 0.2;
 /// leaves as much at its standstills.
 const WORTH_A_DIGIT_MM: f64 = 2.5e-5;
 
-/// No effect moves a reading farther, mm: what a search leaves out that is linear, the square of this over two bars of 150 mm, is as
-/// large as the noise then, and machines are worth a test that warm by less.
-pub(crate) const FARTHEST_MM: f64 = 0.3;
+/// A search is linear: of an effect that moves readings by `d` it leaves out `d² / 2L`, with a bar of `L` = 150 mm. With the share `s` of
+/// its square outside of the model `d sqrt(s)` is seen, and what is left out is less than a tenth of that for `d < L sqrt(s) / 5`: this
+/// times the root of `s`, mm. What would have to be larger to explain so much is no explanation.
+pub(crate) const LINEAR_MM: f64 = 30.0;
 
-/// An effect of which less than this part of its square is left outside of the model does not show: one that moves readings by
-/// [`FARTHEST_MM`] leaves less than a micrometre.
+/// An effect of which less than this part of its square is left outside of the model does not show: as far as a search is
+/// [linear](LINEAR_MM), 0.1 mm, it leaves 0.3 um, as large as the noise.
 pub(crate) const SHOWS: f64 = 1e-5;
 /// A change of a setting of which less than this part of its square is left is followed by the model. By trial:
 /// one part in ten thousand of what another pivot changes, rms, still shows, because levers are long.

@@ -145,3 +145,21 @@ fn a_diagnosis_as_json_is_the_key_of_the_analysis() {
     let unseen = told["unseen"].as_array().unwrap();
     assert!(unseen.iter().any(|s| s.as_str().unwrap().contains("one feed")), "{unseen:?}");
 }
+
+/// A tenth of it is seen, and however far it moves the readings, a search is right by far more than that.
+#[test]
+fn a_ball_that_was_knocked_by_four_tenths_of_a_millimetre_is_told() {
+    let work = Work::new();
+    work.machine("name", "name")
+        .write("slow.toml", "sample_rate_hz = 10\nseed = 4\n")
+        .test("[plan]\nstrategy = \"3d6\"\nfeed_mm_min = 1500.0\n");
+    let knock = "knock:on=EXt,step_um=400,moment_s=200,run=1";
+    work.ballbar(&["simulate", "test.toml", "--scenario", "slow.toml", "--hide", knock]).done();
+    let told = work.ballbar(&["diagnose", "results/test.toml", "--json"]).done().stdout();
+    let told: Value = serde_json::from_str(&told).unwrap();
+    let [finding] = told["findings"].as_array().unwrap().as_slice() else { panic!("{told}") };
+    assert_eq!((&finding["cause"], &finding["on"]), (&"knock".into(), &"EXt".into()), "{finding}");
+    let step = &finding["numbers"][0];
+    let off_um = step["value"].as_f64().unwrap() - 400.0;
+    assert!(off_um.abs() < 3.0 * step["sigma"].as_f64().unwrap(), "{step}");
+}

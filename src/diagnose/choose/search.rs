@@ -11,7 +11,7 @@ use crate::diagnose::seek::candidate::{Candidate, Tried};
 use crate::diagnose::seek::screen::{Prospect, Screen};
 use crate::diagnose::seek::{curves, vibration};
 use crate::diagnose::thresholds::{
-    FARTHEST_MM, OF_A_CURVE, SHADOW, SHOWS, chosen_mm2, stands_mm2, threshold_mm2,
+    LINEAR_MM, OF_A_CURVE, SHADOW, SHOWS, chosen_mm2, stands_mm2, threshold_mm2,
 };
 use crate::identify::Campaign;
 use crate::residual::{self, Beside, Element, Fitted, Noise, Owner, Residuals, Tuning};
@@ -203,11 +203,8 @@ fn closely(beside: &Beside, mut candidates: Vec<Candidate>, least_mm2: f64) -> V
         .into_par_iter()
         .filter_map(|candidate| {
             let fitted = residual::fit(beside, vec![candidate.element])?;
-            let shows = fitted.share_outside > SHOWS;
-            let moves = fitted.sum(beside.residuals);
-            let farthest_mm = moves.iter().flatten().fold(0.0_f64, |most, mm| most.max(mm.abs()));
-            (shows && farthest_mm < FARTHEST_MM && fitted.elements[0].possible(beside.residuals))
-                .then_some(fitted)
+            let credible = shows(&fitted, beside) && fitted.elements[0].possible(beside.residuals);
+            credible.then_some(fitted)
         })
         .collect();
     let Some(best) = fitted.iter().max_by(|a, b| a.gain_mm2.total_cmp(&b.gain_mm2)) else {
@@ -222,6 +219,14 @@ fn closely(beside: &Beside, mut candidates: Vec<Candidate>, least_mm2: f64) -> V
     let mut tried: Vec<Tried> = fitted.into_iter().map(score).collect();
     tried.sort_by(|a, b| told(b.score_mm2).total_cmp(&told(a.score_mm2)));
     tried
+}
+
+/// Whether enough of an effect is seen, for as far as it would move readings.
+fn shows(fitted: &Fitted, beside: &Beside) -> bool {
+    let moves = fitted.sum(beside.residuals);
+    let farthest_mm = moves.iter().flatten().fold(0.0_f64, |most, mm| most.max(mm.abs()));
+    let share = fitted.share_outside;
+    share > SHOWS && farthest_mm < LINEAR_MM * share.sqrt()
 }
 
 /// A gain to seven digits. On seats that no reading tells apart an effect gains the same but for rounding, which is not to say
