@@ -70,9 +70,10 @@ pub struct Searched {
 fn findings(beside: &Beside, chosen: Option<&Chosen>) -> Vec<Finding> {
     let Some(Chosen { fitted, rivals }) = chosen else { return Vec::new() };
     let residuals = beside.residuals;
+    let long_run_mm2 = beside.noise_alone().long_run_mm2;
     let each = fitted.elements.iter().enumerate().zip(rivals);
     each.map(|((k, element), rivals)| {
-        let (effects, numbers) = numbers::told(residuals, fitted, k, beside.noise().long_run_mm2);
+        let (effects, numbers) = numbers::told(residuals, fitted, k, long_run_mm2);
         let outside = fitted.part(k).outside_of_fits(residuals);
         Finding {
             element: element.clone(),
@@ -116,7 +117,7 @@ pub fn watched(
     let (searched, gains) = (&standing.searched, &standing.gains);
     let fitted = chosen.map(|chosen| &chosen.fitted);
     let (alone, beside) = (residuals.alone(), stand::beside(residuals, chosen));
-    let (noise, left_mm) = (beside.noise(), &beside.left_mm);
+    let (noise, left_mm) = (&beside.noise_alone(), &beside.left_mm);
     let explained = fitted.and_then(|_| gain::explained(&gains.arcs));
     let samples = residuals.samples();
     let smallest_mm2 = thresholds::stands_beside_mm2(&beside);

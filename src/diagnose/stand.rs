@@ -96,7 +96,7 @@ impl Standing {
             let fitted = now.map(|chosen| &chosen.fitted);
             let gains = gain::by_run(&searched, &residuals.alone(), &beside.left_mm, fitted);
             let (Some(harmful), Some(now)) = (gains.harmful, now) else {
-                let long_run_mm2 = beside.noise().long_run_mm2;
+                let long_run_mm2 = beside.noise_alone().long_run_mm2;
                 drop(beside);
                 let mut extended = extended;
                 if let Some(Extended { campaign, residuals, chosen }) = &mut extended {
