@@ -163,3 +163,42 @@ fn a_ball_that_was_knocked_by_four_tenths_of_a_millimetre_is_told() {
     let off_um = step["value"].as_f64().unwrap() - 400.0;
     assert!(off_um.abs() < 3.0 * step["sigma"].as_f64().unwrap(), "{step}");
 }
+
+/// Either move by itself explains next to nothing of it: a curve over time or a scale did, and the moves were not found.
+#[test]
+fn a_ball_that_stood_off_for_seconds_and_came_back_is_told() {
+    let work = Work::new();
+    work.machine("name", "name")
+        .write("slow.toml", "sample_rate_hz = 10\nseed = 4\n")
+        .test("[plan]\nstrategy = \"3d6\"\nfeed_mm_min = 1500.0\n");
+    let [off, back] = [(60, 200), (-60, 240)]
+        .map(|(um, s)| format!("knock:on=EXt,step_um={um},moment_s={s},run=1"));
+    work.ballbar(&[
+        "simulate",
+        "test.toml",
+        "--scenario",
+        "slow.toml",
+        "--hide",
+        &off,
+        "--hide",
+        &back,
+    ])
+    .done();
+    let told = work.ballbar(&["diagnose", "results/test.toml", "--json"]).done().stdout();
+    let told: Value = serde_json::from_str(&told).unwrap();
+    let findings = told["findings"].as_array().unwrap();
+    assert_eq!(findings.len(), 2, "{told}");
+    let mut steps_um: Vec<f64> = Vec::new();
+    for finding in findings {
+        assert_eq!(
+            (&finding["cause"], &finding["on"]),
+            (&"knock".into(), &"EXt".into()),
+            "{finding}"
+        );
+        steps_um.push(finding["numbers"][0]["value"].as_f64().unwrap());
+        let sigma_um = finding["numbers"][0]["sigma"].as_f64().unwrap();
+        let off_um = steps_um.last().unwrap().abs() - 60.0;
+        assert!(off_um.abs() < 3.0 * sigma_um.max(0.05), "{finding}");
+    }
+    assert!(steps_um[0] * steps_um[1] < 0.0, "{steps_um:?}");
+}

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::diagnose::seek::candidate::{Candidate, Tried};
 use crate::diagnose::seek::screen::{Prospect, Screen};
-use crate::diagnose::seek::{curves, vibration};
+use crate::diagnose::seek::{curves, knock, vibration};
 use crate::diagnose::thresholds::{
     LINEAR_MM, OF_A_CURVE, SHADOW, SHOWS, chosen_mm2, stands_mm2, threshold_mm2,
 };
@@ -82,7 +82,10 @@ impl<'a> Search<'a> {
     ) -> Option<Fitted> {
         let mut chosen = from;
         while chosen.as_ref().map_or(0, |fitted| fitted.elements.len()) < most {
-            let Some((next, score_mm2)) = self.next(chosen.as_ref(), with_curves) else { break };
+            let room = most - chosen.as_ref().map_or(0, |fitted| fitted.elements.len());
+            let Some((next, score_mm2)) = self.next(chosen.as_ref(), with_curves, room) else {
+                break;
+            };
             let curve = chosen.as_ref().map_or(0.0, |fitted| self.largest_curve(fitted));
             if score_mm2.sqrt() < SHADOW * curve || score_mm2 < self.not_linear_mm2(chosen.as_ref())
             {
@@ -102,11 +105,12 @@ impl<'a> Search<'a> {
         if self.residuals().held { 0.0 } else { NOT_LINEAR * gain_mm2 }
     }
 
-    /// What explains most beside what has been chosen, with its score, mm².
+    /// What explains most beside what has been chosen, with its score, mm²: no more effects than there is room for.
     pub(crate) fn next(
         &mut self,
         chosen: Option<&Fitted>,
         with_curves: bool,
+        room: usize,
     ) -> Option<(Vec<Element>, f64)> {
         let prospect = self.screen.beside(self.beside(chosen));
         let beside = &prospect.beside;
@@ -139,8 +143,20 @@ impl<'a> Search<'a> {
             best.score_mm2 > least || best.score_mm2 > chosen_beside_mm2(beside, best)
         };
         let best = best.into_iter().next().filter(is_no_chance);
-        let curve =
-            with_curves.then(|| curves::best(beside, &prospect.looks, least, &|_| true)).flatten();
+        let pair = if room < 2 { None } else { there_and_back(beside, least) };
+        let pair = pair.filter(is_no_chance);
+        let best_mm2 = best.as_ref().map_or(0.0, |best| best.score_mm2);
+        let pair = pair.filter(|pair| pair.score_mm2 > best_mm2);
+        let curve = with_curves.then(|| match &pair {
+            // What two moves explain is no noise: beside that a curve may show what they only come near.
+            Some(pair) => {
+                let noise = Noise::of(beside.residuals, &pair.fitted.left_mm(beside));
+                let curves = curves::over_each(beside, &prospect.looks, &noise);
+                curves.into_iter().max_by(|a, b| a.score_mm2.total_cmp(&b.score_mm2))
+            }
+            None => curves::best(beside, &prospect.looks, least, &|_| true),
+        });
+        let (best, curve) = (pair.or(best), curve.flatten());
         if let Some(tuning) = tuning {
             self.tuning = tuning;
         }
@@ -219,6 +235,16 @@ fn closely(beside: &Beside, mut candidates: Vec<Candidate>, least_mm2: f64) -> V
     let mut tried: Vec<Tried> = fitted.into_iter().map(score).collect();
     tried.sort_by(|a, b| told(b.score_mm2).total_cmp(&told(a.score_mm2)));
     tried
+}
+
+/// Two moves of a ball at once, of which neither shows by itself. For the second one the score is less by what counts: where one effect
+/// explains as much, that one is told.
+fn there_and_back(beside: &Beside, least_mm2: f64) -> Option<Tried> {
+    let fitted = residual::fit(beside, knock::pair(beside, least_mm2)?.into())?;
+    let noise = Noise::of(beside.residuals, &fitted.left_mm(beside));
+    let by_chance_mm2 = noise.by_chance_mm2(fitted.columns.len());
+    let score_mm2 = fitted.gain_mm2 - by_chance_mm2 - least_mm2;
+    shows(&fitted, beside).then_some(Tried { fitted, score_mm2 })
 }
 
 /// Whether enough of an effect is seen, for as far as it would move readings.

@@ -8,7 +8,7 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use super::search::Search;
+use super::search::{MOST_EFFECTS, Search};
 use crate::diagnose::thresholds::{FOLLOWED, threshold_mm2};
 use crate::error::Result;
 use crate::identify::Campaign;
@@ -290,7 +290,7 @@ fn step(
     if tried.is_empty() {
         return Ok(None);
     }
-    let cause = Search::new(residuals, campaign).next(None, true);
+    let cause = Search::new(residuals, campaign).next(None, true, MOST_EFFECTS);
     let best_cause_mm2 = cause.map_or(0.0, |(_, score_mm2)| score_mm2);
     tried.retain(|tried| tried.gain_mm2 > WORTH_TRYING * best_cause_mm2);
     tried.sort_by(|a, b| b.gain_mm2.total_cmp(&a.gain_mm2));

@@ -3,11 +3,11 @@
 use super::search::Search;
 use crate::diagnose::seek::curves;
 use crate::diagnose::thresholds::{
-    FIGHTING, INSTEAD_OF_A_CURVE, OF_A_CURVE, SHADOW, stands_beside_mm2,
+    FIGHTING, INSTEAD_OF_A_CURVE, LINEAR_MM, OF_A_CURVE, SHADOW, stands_beside_mm2,
 };
 use crate::machine::Axis;
 use crate::model::{Form, Law, Variable};
-use crate::residual::{Beside, Element, Fitted, Residuals};
+use crate::residual::{Beside, Element, Fitted, Owner, Residuals};
 
 /// The weakest of some effects, by its index, where it does not stand beside the others; and these fitted without it.
 pub(crate) fn fallen(
@@ -22,7 +22,10 @@ pub(crate) fn fallen(
         others.remove(k);
         let rest = if others.is_empty() { None } else { fit(others) };
         let gained = rest.as_ref().map_or(0.0, |rest| rest.gain_mm2);
+        // A spike that is over before the first reading after it may be as high as it likes: nobody saw it.
+        let seen = fitted.amplitudes[k].iter().all(|amplitude| amplitude.abs() < LINEAR_MM);
         let own_mm2 = (fitted.gain_mm2 - gained).min(fitted.part_mm2(k, residuals));
+        let own_mm2 = if seen { own_mm2 } else { 0.0 };
         // Thirty amplitudes of a vibration gain thirty times as much by chance as one does.
         let inside = usize::from(fitted.elements[k].free().is_some());
         let by_choice = match fitted.elements[k].form {
@@ -151,9 +154,16 @@ impl Search<'_> {
     }
 
     /// Without the causes that are small beside a curve: what a curve leaves of an effect that nobody knows
-    /// is no cause. Nor are those that are much larger than what all together explain: they fight others.
+    /// is no cause. Nor are those that are much larger than what all together explain: they fight others. Moves of one ball in one run
+    /// are as large as they are together: there and back either may be ten times that.
     fn without_shadows(&self, fitted: Fitted) -> Option<Fitted> {
-        let size = |k: usize| fitted.part_mm2(k, self.residuals()).sqrt();
+        let size = |k: usize| {
+            let of = &fitted.elements;
+            let with = (0..of.len()).filter(|other| *other == k || same_ball(&of[*other], &of[k]));
+            let mut sum = self.residuals().zeros();
+            with.for_each(|other| sum.add(1.0, &fitted.part(other).sum(self.residuals())));
+            sum.product(&self.residuals().outside(&sum)).sqrt()
+        };
         let largest = self.largest_curve(&fitted);
         let most = FIGHTING * fitted.gain_mm2.max(0.0).sqrt();
         let least = self.stands_mm2(&fitted).sqrt();
@@ -167,6 +177,16 @@ impl Search<'_> {
         }
         self.fit_all(kept)
     }
+}
+
+/// Whether both are moves of one ball in one run.
+fn same_ball(one: &Element, other: &Element) -> bool {
+    let moves = |element: &Element| {
+        let shape = element.shape()?;
+        let of_run = matches!(element.owner, Owner::One { .. });
+        of_run.then_some((shape.cause, shape.seat, element.owner))
+    };
+    moves(one).is_some_and(|one| moves(other) == Some(one))
 }
 
 /// Gain less what the numbers gain by chance, mm², by the noise beside some effects.

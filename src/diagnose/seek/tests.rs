@@ -3,6 +3,7 @@
 use super::channel::{Channel, Worths};
 use super::screen::{gathered, of_channel};
 use super::{curves, knock};
+use crate::diagnose::thresholds::threshold_mm2;
 use crate::machine::Axis;
 use crate::model::{CAUSES, Reversal, Seat, Shape, Start, Variable};
 use crate::residual::bench::{element, residuals, white};
@@ -98,6 +99,34 @@ fn a_knock_is_found_in_its_run_at_its_moment() {
         assert!((best.gain_mm2 / exact.gain_mm2 - 1.0).abs() < 1e-4);
         let sigma_mm = NOISE_MM * exact.inverse[(0, 0)].sqrt();
         assert!((exact.amplitudes[0][0] - size_mm).abs() < 4.0 * sigma_mm);
+    }
+}
+
+/// Of a ball that stood off for twenty seconds neither step shows by itself; of one that was knocked once there is no second one.
+#[test]
+fn moves_there_and_back_are_found_together() {
+    let step = |moment_s: f64| {
+        let mut step = element(&format!("knock:on=EXt,moment_s={moment_s}"));
+        step.owner = Owner::One { repeat: 1, run: 0 };
+        step
+    };
+    let mut residuals = with(&step(70.0), 8e-3);
+    let mut back = residuals.zeros();
+    back.add(-8e-3, &step(90.0).columns(&residuals)[0]);
+    let once = knock::pair(&residuals.alone(), threshold_mm2(&residuals.alone()));
+    assert!(once.is_none(), "{once:?}");
+    residuals = residuals.plus(&back);
+    let alone = residuals.alone();
+    let [one, other] = knock::pair(&alone, threshold_mm2(&alone)).unwrap();
+    for (found, moment_s) in [(&one, 90.0), (&other, 70.0)] {
+        let shape = found.shape().unwrap();
+        assert_eq!((found.owner, shape.seat), (step(0.0).owner, Seat::parse("EXt").unwrap()));
+        assert!((shape.inner.unwrap() - moment_s).abs() < 0.11, "{moment_s}: {shape:?}");
+    }
+    let both = fit(&alone, vec![one, other]).unwrap();
+    for (k, size_mm) in [-8e-3, 8e-3].into_iter().enumerate() {
+        let sigma_mm = NOISE_MM * both.inverse[(k, k)].sqrt();
+        assert!((both.amplitudes[k][0] - size_mm).abs() < 4.0 * sigma_mm);
     }
 }
 
