@@ -240,7 +240,7 @@ fn closely(beside: &Beside, mut candidates: Vec<Candidate>, least_mm2: f64) -> V
 /// Two moves of a ball at once, of which neither shows by itself. For the second one the score is less by what counts: where one effect
 /// explains as much, that one is told.
 fn there_and_back(beside: &Beside, least_mm2: f64) -> Option<Tried> {
-    let fitted = residual::fit(beside, knock::pair(beside, least_mm2)?.into())?;
+    let fitted = knock::pair(beside, least_mm2)?;
     let noise = Noise::of(beside.residuals, &fitted.left_mm(beside));
     let by_chance_mm2 = noise.by_chance_mm2(fitted.columns.len());
     let score_mm2 = fitted.gain_mm2 - by_chance_mm2 - least_mm2;

@@ -4,9 +4,9 @@
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
-use crate::diagnose::thresholds::SHOWS;
+use crate::diagnose::thresholds::{SHOWS, UNDECIDED_SIGMAS};
 use crate::model::{CAUSES, Cause, Form, Runs, Seat, Shape, Start};
-use crate::residual::{Beside, Element, Owner};
+use crate::residual::{self, Beside, Element, Fitted, Noise, Owner};
 use crate::solve::dot;
 
 /// A step needs so many samples of a run on either side: two readings that went wrong, one after the other, are fewer than half of
@@ -59,9 +59,9 @@ pub(crate) fn candidates(cause: &'static Cause, beside: &Beside) -> Vec<Candidat
 }
 
 /// Two steps of one ball in one run that together explain most: of a ball that stood off for a while and came back either step by itself
-/// explains next to nothing. `None` where no second one explains `least_mm2` more than the best by itself, or where the same of another
-/// ball or direction explains nearly as much.
-pub(crate) fn pair(beside: &Beside, least_mm2: f64) -> Option<[Element; 2]> {
+/// explains next to nothing. `None` where no second one explains `least_mm2` more than the best by itself, or where it is not decided
+/// between this and the same of another ball or direction, as within one arc about a pole.
+pub(crate) fn pair(beside: &Beside, least_mm2: f64) -> Option<Fitted> {
     let alone = CAUSES.iter().filter(|cause| {
         let inner = cause.law.inner();
         cause.runs == Runs::One && inner.is_some_and(|inner| inner.start == Start::Moments)
@@ -87,12 +87,16 @@ pub(crate) fn pair(beside: &Beside, least_mm2: f64) -> Option<[Element; 2]> {
         .collect();
     let found: Vec<([Element; 2], f64)> = found.into_iter().flatten().collect();
     let (best, most_mm2) = found.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    // Within one arc about a pole two directions are one. The same column to rounding is named as its first seat.
-    let nearly = (most_mm2 - least_mm2)..(most_mm2 * (1.0 - ROUNDING));
+    let fitted = residual::fit(beside, best.to_vec())?;
+    // What another one with the trace t' lacks of t is |t - t'|², with the deviation 2 sqrt(v) |t - t'|. The same column to rounding is
+    // named as its first seat.
+    let noise = Noise::of(beside.residuals, &fitted.left_mm(beside));
+    let undecided_mm2 = (2.0 * UNDECIDED_SIGMAS).powi(2) * noise.long_run_mm2;
+    let nearly = (most_mm2 - undecided_mm2)..(most_mm2 * (1.0 - ROUNDING));
     let untold = found
         .iter()
         .any(|(other, gain_mm2)| nearly.contains(gain_mm2) && other[0].owner == best[0].owner);
-    (!untold).then(|| best.clone())
+    (!untold).then_some(fitted)
 }
 
 /// Moment (s) and gain (mm²) of the best step of a ball at the same moment of these runs.

@@ -117,13 +117,12 @@ fn moves_there_and_back_are_found_together() {
     assert!(once.is_none(), "{once:?}");
     residuals = residuals.plus(&back);
     let alone = residuals.alone();
-    let [one, other] = knock::pair(&alone, threshold_mm2(&alone)).unwrap();
-    for (found, moment_s) in [(&one, 90.0), (&other, 70.0)] {
+    let both = knock::pair(&alone, threshold_mm2(&alone)).unwrap();
+    for (found, moment_s) in both.elements.iter().zip([90.0, 70.0]) {
         let shape = found.shape().unwrap();
         assert_eq!((found.owner, shape.seat), (step(0.0).owner, Seat::parse("EXt").unwrap()));
         assert!((shape.inner.unwrap() - moment_s).abs() < 0.11, "{moment_s}: {shape:?}");
     }
-    let both = fit(&alone, vec![one, other]).unwrap();
     for (k, size_mm) in [-8e-3, 8e-3].into_iter().enumerate() {
         let sigma_mm = NOISE_MM * both.inverse[(k, k)].sqrt();
         assert!((both.amplitudes[k][0] - size_mm).abs() < 4.0 * sigma_mm);
