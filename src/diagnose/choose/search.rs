@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::diagnose::seek::candidate::{Candidate, Tried};
 use crate::diagnose::seek::screen::{Prospect, Screen};
-use crate::diagnose::seek::{curves, knock, vibration};
+use crate::diagnose::seek::{curves, vibration};
 use crate::diagnose::thresholds::{
     LINEAR_MM, OF_A_CURVE, SHADOW, SHOWS, chosen_mm2, stands_mm2, threshold_mm2,
 };
@@ -143,7 +143,7 @@ impl<'a> Search<'a> {
             best.score_mm2 > least || best.score_mm2 > chosen_beside_mm2(beside, best)
         };
         let best = best.into_iter().next().filter(is_no_chance);
-        let pair = if room < 2 { None } else { there_and_back(beside, least) };
+        let pair = if room < 2 { None } else { there_and_back(&prospect, least) };
         let pair = pair.filter(is_no_chance);
         let best_mm2 = best.as_ref().map_or(0.0, |best| best.score_mm2);
         let pair = pair.filter(|pair| pair.score_mm2 > best_mm2);
@@ -239,8 +239,8 @@ fn closely(beside: &Beside, mut candidates: Vec<Candidate>, least_mm2: f64) -> V
 
 /// Two moves of a ball at once, of which neither shows by itself. For the second one the score is less by what counts: where one effect
 /// explains as much, that one is told.
-fn there_and_back(beside: &Beside, least_mm2: f64) -> Option<Tried> {
-    let fitted = knock::pair(beside, least_mm2)?;
+fn there_and_back(prospect: &Prospect, least_mm2: f64) -> Option<Tried> {
+    let (beside, fitted) = (&prospect.beside, prospect.there_and_back(least_mm2)?);
     let noise = Noise::of(beside.residuals, &fitted.left_mm(beside));
     let by_chance_mm2 = noise.by_chance_mm2(fitted.columns.len());
     let score_mm2 = fitted.gain_mm2 - by_chance_mm2 - least_mm2;

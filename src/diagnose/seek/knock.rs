@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::candidate::Candidate;
 use crate::diagnose::thresholds::{SHOWS, UNDECIDED_SIGMAS};
-use crate::model::{CAUSES, Cause, Form, Runs, Seat, Shape, Start};
+use crate::model::{Cause, Form, Runs, Seat, Shape};
 use crate::residual::{self, Beside, Element, Fitted, Noise, Owner};
 use crate::solve::dot;
 
@@ -61,19 +61,13 @@ pub(crate) fn candidates(cause: &'static Cause, beside: &Beside) -> Vec<Candidat
 /// Two steps of one ball in one run that together explain most: of a ball that stood off for a while and came back either step by itself
 /// explains next to nothing. `None` where no second one explains `least_mm2` more than the best by itself, or where it is not decided
 /// between this and the same of another ball or direction, as within one arc about a pole.
-pub(crate) fn pair(beside: &Beside, least_mm2: f64) -> Option<Fitted> {
-    let alone = CAUSES.iter().filter(|cause| {
-        let inner = cause.law.inner();
-        cause.runs == Runs::One && inner.is_some_and(|inner| inner.start == Start::Moments)
-    });
+pub(crate) fn pair(cause: &'static Cause, beside: &Beside, least_mm2: f64) -> Option<Fitted> {
     let runs: Vec<(usize, usize)> = beside.residuals.runs().collect();
-    let places: Vec<(&'static Cause, Seat, usize, usize)> = alone
-        .flat_map(|cause| cause.seats().into_iter().map(move |seat| (cause, seat)))
-        .flat_map(|(cause, seat)| runs.iter().map(move |&(repeat, run)| (cause, seat, repeat, run)))
-        .collect();
+    let of_seat = |seat: Seat| runs.iter().map(move |&(repeat, run)| (seat, repeat, run));
+    let places: Vec<(Seat, usize, usize)> = cause.seats().into_iter().flat_map(of_seat).collect();
     let found: Vec<Option<([Element; 2], f64)>> = places
         .par_iter()
-        .map(|&(cause, seat, repeat, run)| {
+        .map(|&(seat, repeat, run)| {
             let at_once = Shape { cause, seat, inner: Some(0.0) };
             let steps = Steps::of(beside, &[(repeat, run)], &at_once)?;
             let (moments_s, gain_mm2) = steps.best_pair(least_mm2)?;

@@ -13,10 +13,10 @@ use crate::diagnose::thresholds::SHOWS;
 use crate::identify::Campaign;
 use crate::machine::Axis;
 use crate::model::{
-    Ball, CAUSES, Cause, Coefficient, Component, Inner, Law, Power, Seat, SetUp, Shape, Start,
-    Variable,
+    Ball, CAUSES, Cause, Coefficient, Component, Inner, Law, Power, Runs, Seat, SetUp, Shape,
+    Start, Variable,
 };
-use crate::residual::{Anywhere, Beside, Element, System, Tuning};
+use crate::residual::{Anywhere, Beside, Element, Fitted, System, Tuning};
 
 /// The shortest period looked for, mm: a reading every 0.83 mm still tells it.
 const SHORTEST_MM: f64 = 2.0;
@@ -145,6 +145,14 @@ impl Prospect<'_> {
             found.extend(vibration::candidates(cause, beside, tuning, best_mm2));
         }
         found
+    }
+
+    /// Two moves of a ball in one run that explain `least_mm2` more than one.
+    pub(crate) fn there_and_back(&self, least_mm2: f64) -> Option<Fitted> {
+        let moves = starting(|start| *start == Start::Moments);
+        moves
+            .filter(|cause| cause.runs == Runs::One)
+            .find_map(|cause| knock::pair(cause, &self.beside, least_mm2))
     }
 }
 

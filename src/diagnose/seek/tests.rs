@@ -113,11 +113,12 @@ fn moves_there_and_back_are_found_together() {
     let mut residuals = with(&step(70.0), 8e-3);
     let mut back = residuals.zeros();
     back.add(-8e-3, &step(90.0).columns(&residuals)[0]);
-    let once = knock::pair(&residuals.alone(), threshold_mm2(&residuals.alone()));
+    let cause = step(70.0).shape().unwrap().cause;
+    let once = knock::pair(cause, &residuals.alone(), threshold_mm2(&residuals.alone()));
     assert!(once.is_none(), "{once:?}");
     residuals = residuals.plus(&back);
     let alone = residuals.alone();
-    let both = knock::pair(&alone, threshold_mm2(&alone)).unwrap();
+    let both = knock::pair(cause, &alone, threshold_mm2(&alone)).unwrap();
     for (found, moment_s) in both.elements.iter().zip([90.0, 70.0]) {
         let shape = found.shape().unwrap();
         assert_eq!((found.owner, shape.seat), (step(0.0).owner, Seat::parse("EXt").unwrap()));
