@@ -146,7 +146,7 @@ fn a_diagnosis_as_json_is_the_key_of_the_analysis() {
     assert!(unseen.iter().any(|s| s.as_str().unwrap().contains("one feed")), "{unseen:?}");
 }
 
-/// What is told of a sphere at ten readings a second with these effects in it.
+/// What is told of a sphere at ten readings a second with these effects in it, all of which the model with them explains.
 fn found(hidden: &[&str]) -> Vec<Value> {
     let work = Work::new();
     work.machine("name", "name")
@@ -157,6 +157,8 @@ fn found(hidden: &[&str]) -> Vec<Value> {
     work.ballbar(&simulate).done();
     let told = work.ballbar(&["diagnose", "results/test.toml", "--json"]).done().stdout();
     let told: Value = serde_json::from_str(&told).unwrap();
+    let doubts = |said: &Value| said.as_str().unwrap().contains("explains little");
+    assert!(!told["verdict"].as_array().unwrap().iter().any(doubts), "{}", told["verdict"]);
     told["findings"].as_array().unwrap().clone()
 }
 

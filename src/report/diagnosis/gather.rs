@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::facts::{DiagnosisFacts, FindingFacts};
 use super::owner::OwnerFacts;
 use super::settings::WrongSettingFacts;
-use super::verdict::{Left, VerdictFacts};
+use super::verdict::VerdictFacts;
 use super::{views, words};
 use crate::diagnose::{Diagnosis, Feature, Finding, Owner, Picture, Rival, Separation};
 use crate::identify::Identification;
@@ -41,7 +41,7 @@ impl DiagnosisFacts {
             .map(|wrong| WrongSettingFacts::new(wrong, machine))
             .collect();
         Self {
-            verdict: VerdictFacts::new(diagnosis, &wrong_settings, &Left::of(identifications)),
+            verdict: VerdictFacts::new(diagnosis, &wrong_settings, identifications),
             foretold: identifications.len() > 1,
             nothing_found: diagnosis.nothing_found(),
             of_all: diagnosis.verdict,

@@ -39,49 +39,49 @@ pub struct VerdictFacts {
 
 /// What the fits of a campaign left.
 #[derive(Debug, Clone)]
-pub(super) struct Left {
+struct Left {
     /// Root mean square, mm.
     fit_mm: f64,
     /// How many times chance it is, at most; `None` where all leave little more.
     beyond_chance: Option<f64>,
-    /// The runs of which they explain little.
-    little_explained: Vec<String>,
 }
 
 impl Left {
-    pub(super) fn of(fits: &[Identification]) -> Self {
+    fn of(fits: &[Identification]) -> Self {
         let used: usize = fits.iter().map(|of| of.used).sum();
         let squares_mm2: f64 = fits.iter().map(|of| of.rms_mm.powi(2) * of.used as f64).sum();
         Self {
             fit_mm: (squares_mm2 / used.max(1) as f64).sqrt(),
             beyond_chance: fits.iter().filter_map(|of| of.beyond_chance).reduce(f64::max),
-            little_explained: fits
-                .iter()
-                .flat_map(|of| &of.little_explained)
-                .map(|of| of.run.clone())
-                .collect(),
         }
-    }
-
-    /// What is said of causes that were named beside a log that may be wrong.
-    fn doubt(&self) -> Option<String> {
-        (!self.little_explained.is_empty()).then(|| {
-            format!(
-                "Of {} little is explained all the same: no cause is sure until each log is known to be of its run and its program.",
-                self.little_explained.join(", ")
-            )
-        })
     }
 }
 
+/// What is said of causes where the model by itself explains little of a run and they do not explain the rest: its log may be wrong. What
+/// leaves no more than chance is of its program.
+fn doubt(fits: &[Identification], diagnosis: &Diagnosis) -> Option<String> {
+    let with_causes = &diagnosis.extended.as_ref()?.campaign.repeats;
+    if with_causes.iter().all(|of| of.beyond_chance.is_none()) {
+        return None;
+    }
+    let little = fits.iter().flat_map(|of| &of.little_explained);
+    let runs: Vec<&str> = little.map(|of| of.run.as_str()).collect();
+    (!runs.is_empty()).then(|| {
+        format!(
+            "Of {} the model by itself explains little, and with what was found it leaves more than chance: no cause is sure until each log is known to be of its run and its program.",
+            runs.join(", ")
+        )
+    })
+}
+
 impl VerdictFacts {
-    /// The verdict on a diagnosis with the settings that are stated wrong, in words, and what the fits left.
+    /// The verdict on a diagnosis with the settings that are stated wrong, in words, and what the fits that were diagnosed left.
     pub(super) fn new(
         diagnosis: &Diagnosis,
         wrong_settings: &[WrongSettingFacts],
-        left: &Left,
+        fits: &[Identification],
     ) -> Self {
-        let all = &diagnosis.verdict;
+        let (all, left) = (&diagnosis.verdict, &Left::of(fits));
         let something = !diagnosis.findings.is_empty();
         Self {
             structure: structure(all, left, something),
@@ -89,7 +89,7 @@ impl VerdictFacts {
             wrong_settings: wrong_settings.iter().map(setting).collect(),
             off_times: diagnosis.off_times.iter().map(off_time).collect(),
             found: something.then(|| found(&diagnosis.findings)),
-            doubt: left.doubt().filter(|_| something),
+            doubt: doubt(fits, diagnosis).filter(|_| something),
             explained: explained(all).filter(|_| something && shared(diagnosis)),
             repaired: something.then(|| {
                 format!(
@@ -296,7 +296,7 @@ mod tests {
                 smallest_mm: 1e-4,
             };
             let of = |beyond_chance| {
-                let left = Left { fit_mm: 0.016, beyond_chance, little_explained: Vec::new() };
+                let left = Left { fit_mm: 0.016, beyond_chance };
                 structure(&verdict, &left, false)
             };
             let told = of(Some(108.0));
