@@ -97,6 +97,7 @@ impl ErrorModel {
                 form: Form::Empirical(curve.clone()),
                 amplitudes: amplitudes.clone(),
                 run: None,
+                earlier_s: 0.0,
             },
             uncertain: 0.0,
         });

@@ -217,7 +217,7 @@ impl StoredEffect {
         }
         let amplitudes = self.amplitudes.iter().map(|a| finite(*a, LARGEST, "amplitudes"));
         let amplitudes = amplitudes.collect::<Checked<_>>()?;
-        let effect = HeldEffect { form, amplitudes, run: None };
+        let effect = HeldEffect { form, amplitudes, run: None, earlier_s: 0.0 };
         Ok(Held { effect, uncertain: least(self.uncertain, 1.0, "uncertain")? })
     }
 

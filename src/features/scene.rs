@@ -61,9 +61,9 @@ impl Scene<'_> {
     pub(super) fn found(&self) -> Vec<(usize, &HeldEffect)> {
         let of = |(k, finding): (usize, &Finding)| {
             let count = match finding.owner() {
-                Owner::All => 1,
+                Owner::All if !finding.element.earlier.tells() => 1,
                 Owner::One { repeat, .. } => usize::from(repeat == self.repeat),
-                Owner::EachRun => self.identification.runs.len(),
+                Owner::All | Owner::EachRun => self.identification.runs.len(),
             };
             std::iter::repeat_n(k, count)
         };
@@ -77,6 +77,7 @@ pub(super) fn added_mm(held: &HeldEffect, at: &Situation, run: usize) -> f64 {
         return 0.0;
     }
     let mut columns = vec![0.0; held.amplitudes.len()];
-    held.form.term().columns(at, &mut columns);
+    let own = Situation { motion: held.its(&at.motion), ..at.clone() };
+    held.form.term().columns(&own, &mut columns);
     dot(&columns, &held.amplitudes)
 }

@@ -318,6 +318,7 @@ impl Campaign {
             form: Form::Empirical(curve.clone()),
             amplitudes: values.clone(),
             run: None,
+            earlier_s: 0.0,
         });
         for held in curves.chain(held.iter().cloned()) {
             terms.push(Box::new(held));

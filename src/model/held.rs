@@ -46,12 +46,19 @@ pub struct HeldEffect {
     pub amplitudes: Vec<f64>,
     /// The run, of those that are looked at together, that alone has it; `None` where all do.
     pub run: Option<usize>,
+    /// By how much earlier the program began, for it, than the log tells, s.
+    pub earlier_s: f64,
 }
 
 impl HeldEffect {
     /// Whether a run of those that are looked at together has it.
     pub fn is_in(&self, run: usize) -> bool {
         self.run.is_none_or(|one| one == run)
+    }
+
+    /// The motion as it has it.
+    pub fn its(&self, motion: &Motion) -> Motion {
+        Motion { elapsed_s: motion.elapsed_s + self.earlier_s, ..*motion }
     }
 
     /// How much later a slide follows with it, s, or all slides with one in common; `None` of another effect.
@@ -93,7 +100,7 @@ impl Term for HeldEffect {
         errors: &mut ChainErrors,
     ) {
         if self.is_in(motion.run) {
-            self.form.term().bend(&self.amplitudes, at, motion, mounting, errors);
+            self.form.term().bend(&self.amplitudes, at, &self.its(motion), mounting, errors);
         }
     }
 
@@ -108,6 +115,6 @@ impl Term for HeldEffect {
         if !self.is_in(motion.run) {
             return 0.0;
         }
-        self.form.term().lengthen(&self.amplitudes, at, motion, mounting, direction)
+        self.form.term().lengthen(&self.amplitudes, at, &self.its(motion), mounting, direction)
     }
 }

@@ -46,6 +46,27 @@ impl Tuning {
     }
 }
 
+/// By how much earlier the program of each run began than its log tells, s, for what begins with it. By default by nothing.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Earlier(Vec<Vec<f64>>);
+
+impl Earlier {
+    /// One time a run, repeat after repeat.
+    pub(super) fn of(times_s: Vec<Vec<f64>>) -> Self {
+        Self(times_s)
+    }
+
+    /// The time of one run, s.
+    pub fn in_s(&self, repeat: usize, run: usize) -> f64 {
+        self.0.get(repeat).and_then(|runs| runs.get(run)).copied().unwrap_or(0.0)
+    }
+
+    /// Whether any run has one.
+    pub fn tells(&self) -> bool {
+        !self.0.is_empty()
+    }
+}
+
 /// An effect that takes part in the extended model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Element {
@@ -55,12 +76,14 @@ pub struct Element {
     pub owner: Owner,
     /// Of an effect that differs from run to run, how its frequency does.
     pub tuning: Tuning,
+    /// Of an effect that begins with the program, when that was.
+    pub earlier: Earlier,
 }
 
 impl Element {
-    /// An effect with its owner, its frequency the same in all runs.
+    /// An effect with its owner, its frequency the same in all runs, which began as their logs tell.
     pub fn new(form: Form, owner: Owner) -> Self {
-        Self { form, owner, tuning: Tuning::default() }
+        Self { form, owner, tuning: Tuning::default(), earlier: Earlier::default() }
     }
 
     /// A cause that is the same in all runs.
@@ -129,6 +152,12 @@ impl Element {
             });
         }
         changed
+    }
+
+    /// The time constant of what begins with the program of every run, s.
+    pub(super) fn time_constant_s(&self) -> Option<f64> {
+        let begins = matches!(self.inner()?.start, Start::TimeConstants(..));
+        self.shape()?.inner.filter(|_| begins && self.owner == Owner::All)
     }
 
     /// Whether, as it is, several of it make any curve.
@@ -241,9 +270,12 @@ impl Element {
             if matches!(self.owner, Owner::One { run, .. } if run != sample.run) {
                 continue;
             }
-            if self.owner == Owner::EachRun {
+            if self.owner == Owner::EachRun || self.earlier.tells() {
                 let mut own = sample.situation.clone();
-                own.motion.elapsed_s *= self.tuning.factor(index, sample.run);
+                if self.owner == Owner::EachRun {
+                    own.motion.elapsed_s *= self.tuning.factor(index, sample.run);
+                }
+                own.motion.elapsed_s += self.earlier.in_s(index, sample.run);
                 self.term().columns(&own, &mut row);
             } else {
                 self.term().columns(&sample.situation, &mut row);

@@ -11,13 +11,14 @@
 //! approximation of Kaufman, "A variable projection method for solving separable nonlinear least squares
 //! problems" (BIT 15, 1975), which drops the part of the derivative that lies in the span of the columns.
 
+use super::began::{Began, Beginning};
 use super::beside::Beside;
 use super::column::Column;
 use super::element::Element;
 use super::fitted::Fitted;
 use super::residuals::Residuals;
 use super::system::System;
-use crate::solve::{Cholesky, dot};
+use crate::solve::{Cholesky, Matrix, dot};
 
 /// Steps of Gauss-Newton; a good start takes three.
 const MOST_STEPS: usize = 12;
@@ -42,39 +43,45 @@ pub fn fit_to(beside: &Beside, elements: Vec<Element>, repeats: &[bool]) -> Opti
     let mut best: Option<Fitted> = None;
     let mut shorter = 1.0;
     let negligible_mm2 = OF_CHANCE * beside.noise().neighbours_mm2;
+    let mut began = Began::new(beside);
     for _ in 0..MOST_STEPS {
         let (mut system, counts) = system(beside, &elements, repeats);
         let linear = system.columns.len();
         let (normal, common) = system.part(linear);
         let amplitudes = Cholesky::of(&normal)?.solve(common);
-        let gain_mm2 = dot(&amplitudes, common);
+        let explained_mm2 = dot(&amplitudes, common);
+        let amplitudes = split(&amplitudes, &counts);
+        let gain_mm2 = explained_mm2 - began.cost_mm2(&elements, &amplitudes, &system);
         if let Some(best) = best.as_ref().filter(|best| gain_mm2 <= best.gain_mm2) {
             shorter *= 0.5;
             if shorter < SHORTEST {
                 break;
             }
-            elements = half_way(&elements, &best.elements);
+            elements = half_way(&elements, &best.elements, &began);
             continue;
         }
         let least_mm2 = negligible_mm2.min(SETTLED * gain_mm2);
         let settled = best.as_ref().is_some_and(|best| gain_mm2 - best.gain_mm2 < least_mm2);
         let share_outside = system.share_outside();
-        let amplitudes = split(&amplitudes, &counts);
-        let mut inside = Vec::new();
-        let mut first = 0;
-        for (element, own) in elements.iter().zip(&amplitudes) {
-            if element.free().is_some() {
-                let columns = &system.columns[first..first + own.len()];
-                inside.push(derivative(beside.residuals, element, own, columns));
-            }
-            first += own.len();
+        system.push(beside, inside(beside, &elements, &amplitudes, &system.columns), usize::MAX);
+        let own = system.columns.len();
+        let beginnings = began.beginnings(&elements, &amplitudes, &system);
+        for beginning in &beginnings {
+            system.push_held(beside, beginning.column.clone(), beginning.weight);
         }
-        system.push(beside, inside, usize::MAX);
         let (normal, common) = system.part(system.columns.len());
+        let mut common = common.to_vec();
+        let pulls = beginnings.iter().map(Beginning::pull);
+        common[own..].iter_mut().zip(pulls).for_each(|(common, pull)| *common += pull);
         let cholesky = Cholesky::of(&normal)?;
-        let step = cholesky.solve(common);
-        let (inverse, columns) = (cholesky.inverse(), system.columns);
-        let next = stepped(&elements, &step[linear..], shorter);
+        let step = cholesky.solve(&common);
+        let all = cholesky.inverse();
+        // What the beginnings leave open of the others is in it.
+        let inverse = Matrix::from_fn(own, own, |i, k| all[(i, k)]);
+        let next = stepped(&elements, &step[linear..own], shorter);
+        let next = began.stepped(next, &beginnings, &step[own..], shorter);
+        let mut columns = system.columns;
+        columns.truncate(own);
         best = Some(Fitted { elements, amplitudes, gain_mm2, inverse, share_outside, columns });
         if settled || step.len() == linear {
             break;
@@ -82,6 +89,25 @@ pub fn fit_to(beside: &Beside, elements: Vec<Element>, repeats: &[bool]) -> Opti
         elements = next;
     }
     best
+}
+
+/// Derivatives of the fitted effects with respect to the number inside of each that has one.
+fn inside(
+    beside: &Beside,
+    elements: &[Element],
+    amplitudes: &[Vec<f64>],
+    columns: &[Column],
+) -> Vec<Column> {
+    let mut first = 0;
+    let mut inside = Vec::new();
+    for (element, own) in elements.iter().zip(amplitudes) {
+        if element.free().is_some() {
+            let columns = &columns[first..first + own.len()];
+            inside.push(derivative(beside.residuals, element, own, columns));
+        }
+        first += own.len();
+    }
+    inside
 }
 
 /// The columns of all elements, empty in the repeats that take no part; and how many each has.
@@ -107,9 +133,12 @@ fn split(values: &[f64], counts: &[usize]) -> Vec<Vec<f64>> {
 }
 
 /// Elements with the numbers inside half the way back to the best.
-fn half_way(now: &[Element], best: &[Element]) -> Vec<Element> {
+fn half_way(now: &[Element], best: &[Element], began: &Began) -> Vec<Element> {
     let back = |(now, best): (&Element, &Element)| match (now.free(), best.free()) {
-        (Some(now), Some(at)) => best.with_free(0.5 * (now + at)),
+        (Some(free), Some(at)) => {
+            let earlier = began.half_way(&now.earlier, &best.earlier);
+            Element { earlier, ..best.with_free(0.5 * (free + at)) }
+        }
         _ => best.clone(),
     };
     now.iter().zip(best).map(back).collect()

@@ -14,6 +14,7 @@
 //!
 //! Samples and columns are multiplied by the root of the weight that the fit gave each sample.
 
+mod began;
 #[cfg(test)]
 pub(crate) mod bench;
 mod beside;

@@ -53,9 +53,12 @@ impl System {
 
     /// The largest part of a column's square that lies outside of what the fits and accepted effects follow.
     pub fn share_outside(&self) -> f64 {
-        let share =
-            |k: usize| self.normal[(k, k)] / self.anywhere.products[k][k].max(f64::MIN_POSITIVE);
-        (0..self.columns.len()).map(share).fold(0.0, f64::max)
+        (0..self.columns.len()).map(|k| self.share_of(k)).fold(0.0, f64::max)
+    }
+
+    /// That of one column.
+    pub(super) fn share_of(&self, k: usize) -> f64 {
+        self.normal[(k, k)] / self.anywhere.products[k][k].max(f64::MIN_POSITIVE)
     }
 
     /// What holds of the columns whatever is accepted, without them: each takes as much memory as there are samples.
@@ -74,6 +77,14 @@ impl System {
             priors.resize(self.columns.len() + columns.len(), prior);
         }
         self.push(beside, columns, of.reach());
+    }
+
+    /// Adds the column of a number that is held: its square weighs so much beside the sum of squares.
+    pub(super) fn push_held(&mut self, beside: &Beside, column: Column, weight: f64) {
+        self.push(beside, vec![column], usize::MAX);
+        if let Some(prior) = self.anywhere.priors.last_mut() {
+            *prior = weight;
+        }
     }
 
     /// Adds columns; those of them that are farther than this from each other have no sample in common.
@@ -115,7 +126,7 @@ impl System {
         let normal = Matrix::from_fn(keep, keep, |i, k| {
             match self.normal[(i, k)] {
                 // What nothing tells, such as the phase of a run that takes no part, stays zero.
-                0.0 if i == k => 1.0,
+                0.0 if i == k && self.anywhere.ridge(k) <= 0.0 => 1.0,
                 value if i == k => value + self.anywhere.ridge(k),
                 value => value,
             }

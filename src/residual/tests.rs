@@ -1,6 +1,7 @@
 //! Truth put in, truth got back within the stated sigma, on an equator with known noise.
 
 use super::bench::{effect, element, residuals, white};
+use super::element::Earlier;
 use super::*;
 use crate::model::AMPLITUDE;
 use crate::solve::{Basis, Cholesky, dot};
@@ -246,4 +247,37 @@ fn a_tuned_vibration_tunes_no_other() {
     let of_tuned = tuned.columns(&residuals);
     assert_ne!(of_tuned[..4], before[..4]);
     assert_eq!(of_tuned[4..], before[4..]);
+}
+
+/// A ball that drifts while the second of three programs began twenty seconds earlier than its log tells: with a pause that hides it
+/// that is found, and the time constant stays what it is.
+#[test]
+fn a_drift_tells_when_a_program_began() {
+    const EARLIER_S: f64 = 20.0;
+    let truth = element("drift:on=EYt,time_constant_s=300");
+    let began = Earlier::of(vec![vec![0.0], vec![EARLIER_S], vec![0.0]]);
+    let late = Element { earlier: began, ..truth.clone() };
+    let put_in = |hidden_s: f64| {
+        let mut noise = residuals(3, white(4, NOISE_MM));
+        for repeat in &mut noise.repeats {
+            repeat.runs[0].began_sigma_s = hidden_s;
+        }
+        let moved = late.columns(&noise)[0].clone().times(0.1);
+        noise.plus(&moved)
+    };
+    let off = |fitted: &Fitted| {
+        let inner = fitted.inner_index(0).unwrap();
+        let sigma = NOISE_MM * fitted.inverse[(inner, inner)].sqrt();
+        (fitted.elements[0].free().unwrap() - truth.free().unwrap()) / sigma
+    };
+    let told = put_in(10.0);
+    let told = fit(&told.alone(), vec![truth.clone()]).unwrap();
+    let earlier = &told.elements[0].earlier;
+    let found_s = earlier.in_s(1, 0) - 0.5 * (earlier.in_s(0, 0) + earlier.in_s(2, 0));
+    assert!((found_s - EARLIER_S).abs() < 1.0, "{found_s}");
+    assert!(off(&told).abs() < 3.0, "{}", off(&told));
+    // A program whose beginning is known did not begin otherwise.
+    let known = put_in(0.0);
+    let known = fit(&known.alone(), vec![truth.clone()]).unwrap();
+    assert!(!known.elements[0].earlier.tells());
 }

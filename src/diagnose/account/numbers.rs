@@ -26,7 +26,8 @@ pub struct Number {
 ///
 /// Where an operator's pause hides when the program began, the moment of a knock is as uncertain, and a drift
 /// that seems to begin by `dt` earlier has its amplitude larger by `exp(dt / time constant)`: set-up errors take
-/// what is constant.
+/// what is constant. What runs tell of their beginnings is by how much they differ: an operator who always starts the log just before
+/// the program makes all of them late alike.
 ///
 /// Of an effect that differs from run to run, the amplitude is the root mean square over the runs, and it
 /// has no phase.

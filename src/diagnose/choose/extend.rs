@@ -105,16 +105,23 @@ fn held(campaign: &Campaign, fitted: &Fitted) -> Vec<Vec<HeldEffect>> {
     for (element, amplitudes) in fitted.elements.iter().zip(&fitted.amplitudes) {
         let mut hold = |repeat: usize, run: Option<usize>, amplitudes: &[f64]| {
             let form = element.in_run(repeat, run.unwrap_or(0));
-            held[repeat].push(HeldEffect { form, amplitudes: amplitudes.to_vec(), run });
+            let earlier_s = run.map_or(0.0, |run| element.earlier.in_s(repeat, run));
+            let amplitudes = amplitudes.to_vec();
+            held[repeat].push(HeldEffect { form, amplitudes, run, earlier_s });
+        };
+        let runs = || {
+            let runs = campaign.repeats.iter().enumerate();
+            runs.flat_map(|(k, repeat)| (0..repeat.runs.len()).map(move |run| (k, run)))
         };
         match element.owner {
+            Owner::All if element.earlier.tells() => {
+                runs().for_each(|(k, run)| hold(k, Some(run), amplitudes));
+            }
             Owner::All => (0..campaign.repeats.len()).for_each(|k| hold(k, None, amplitudes)),
             Owner::One { repeat, run } => hold(repeat, Some(run), amplitudes),
             Owner::EachRun => {
-                let runs = campaign.repeats.iter().enumerate();
-                let runs = runs.flat_map(|(k, repeat)| (0..repeat.runs.len()).map(move |r| (k, r)));
                 let own = amplitudes.chunks(element.term().parameter_count());
-                runs.zip(own).for_each(|((k, run), own)| hold(k, Some(run), own));
+                runs().zip(own).for_each(|((k, run), own)| hold(k, Some(run), own));
             }
         }
     }

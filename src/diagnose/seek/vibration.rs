@@ -75,7 +75,8 @@ pub(crate) fn candidates(
             let (hz, gain_mm2) = nearby(beside, tuning, seat, about_hz);
             let shape = Shape { cause, seat, inner: Some(hz) };
             let tuning = tuning.clone();
-            let element = Element { form: Form::Cause(shape), owner: Owner::EachRun, tuning };
+            let of_each = Element::new(Form::Cause(shape), Owner::EachRun);
+            let element = Element { tuning, ..of_each };
             Candidate { element, gain_mm2 }
         })
         .collect();

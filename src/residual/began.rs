@@ -1,0 +1,222 @@
+//! When the program of each run began, as far as an operator's pause hides it.
+//!
+//! A drift of a run whose program began by `d` earlier than its log tells is there
+//!
+//! ```text
+//! A (1 - exp(-(t + d) / T))
+//! ```
+//!
+//! Runs that have their set-up errors in common tell `d`: a drift of 1 um in a second that began five seconds earlier has moved the
+//! ball by 5 um more when the plane is driven, which otherwise is a ball that was knocked, and bends `T`. So each run has its
+//! `d` beside the amplitude and the time constant that all have in common, held to what its pause leaves open of it
+//! (`began_sigma_s`).
+
+use super::beside::Beside;
+use super::column::Column;
+use super::element::{Earlier, Element};
+use super::noise::Noise;
+use super::residuals::{Repeat, Residuals, Run};
+use super::system::System;
+
+/// Where all beginnings together explain less than this share of what chance gives an amplitude they stay as they are.
+const OF_CHANCE: f64 = 0.1;
+/// A beginning that is known is so to this, s.
+const KNOWN_S: f64 = 1e-3;
+/// Of a run in whose plane the ball does not move no beginning is told: its part of what all see is less than this.
+const NEXT_TO_NOTHING: f64 = 1e-9;
+/// The derivative is taken over this part of the time constant.
+const STEP: f64 = 1e-4;
+/// No step is longer than this part of the time constant.
+const LONGEST: f64 = 0.3;
+
+/// The beginning of one run, for one element.
+pub(super) struct Beginning {
+    element: usize,
+    repeat: usize,
+    run: usize,
+    /// `d` as it is, s.
+    at_s: f64,
+    longest_s: f64,
+    /// What is plausible of `d`: its square weighs so much, mm²/s².
+    pub(super) weight: f64,
+    /// What a second of `d` adds to the samples, mm/s.
+    pub(super) column: Column,
+}
+
+impl Beginning {
+    /// What is plausible adds this to the right-hand side for the step of `d`, mm²/s.
+    pub(super) fn pull(&self) -> f64 {
+        -self.weight * self.at_s
+    }
+}
+
+/// The beginnings of all runs.
+pub(super) struct Began<'a> {
+    residuals: &'a Residuals,
+    beside: &'a Beside<'a>,
+    /// Whether there are runs to be compared, and pauses that hide when they began.
+    hidden: bool,
+    /// Of what the first fit leaves: what is plausible of a beginning is weighed by it.
+    noise: Option<Noise>,
+}
+
+impl<'a> Began<'a> {
+    pub(super) fn new(beside: &'a Beside<'a>) -> Self {
+        let residuals = beside.residuals;
+        let mut runs = residuals.repeats.iter().flat_map(|repeat| &repeat.runs);
+        let hidden = residuals.runs().count() > 1 && runs.any(|run| run.began_sigma_s > KNOWN_S);
+        Self { residuals, beside, hidden, noise: None }
+    }
+
+    /// What the beginnings of elements cost that are fitted with these amplitudes, whose columns come first in a system, mm².
+    pub(super) fn cost_mm2(
+        &mut self,
+        elements: &[Element],
+        amplitudes: &[Vec<f64>],
+        system: &System,
+    ) -> f64 {
+        if !elements.iter().any(|element| element.earlier.tells()) {
+            return 0.0;
+        }
+        let noise = self.left(amplitudes, system);
+        let of_element = |element: &Element| -> f64 {
+            let of_run = |(repeat, run): (usize, usize)| match element.earlier.in_s(repeat, run) {
+                0.0 => 0.0,
+                earlier_s => weight(&noise, self.run(repeat, run)) * earlier_s * earlier_s,
+            };
+            self.residuals.runs().map(of_run).sum()
+        };
+        elements.iter().filter(|element| element.earlier.tells()).map(of_element).sum()
+    }
+
+    /// Those that matter to elements with these amplitudes, whose columns come first in a system.
+    pub(super) fn beginnings(
+        &mut self,
+        elements: &[Element],
+        amplitudes: &[Vec<f64>],
+        system: &System,
+    ) -> Vec<Beginning> {
+        let mut found = Vec::new();
+        let mut first = 0;
+        for (index, (element, own)) in elements.iter().zip(amplitudes).enumerate() {
+            if let Some(constant_s) = element.time_constant_s().filter(|_| self.hidden) {
+                let noise = self.left(amplitudes, system);
+                let step_s = STEP * constant_s;
+                let mut rate = self.all_earlier(element, step_s).columns(self.residuals).remove(0);
+                rate.add(-1.0, &system.columns[first]);
+                let rate = rate.times(own[0] / step_s);
+                let seen = NEXT_TO_NOTHING * rate.square();
+                let of_run = |place| self.of_run(index, element, place, constant_s, &rate, &noise);
+                let of_runs = self.residuals.runs().filter_map(of_run);
+                let of_runs: Vec<_> = of_runs.filter(|of| of.column.square() > seen).collect();
+                let explain: f64 = of_runs.iter().map(|of| of.column.square() / of.weight).sum();
+                if element.earlier.tells() || explain > OF_CHANCE {
+                    found.extend(of_runs);
+                }
+            }
+            first += own.len();
+        }
+        found
+    }
+
+    /// The beginning of one run for an element of which a second earlier adds so much to all samples.
+    fn of_run(
+        &self,
+        index: usize,
+        element: &Element,
+        (repeat, run): (usize, usize),
+        constant_s: f64,
+        rate: &Column,
+        noise: &Noise,
+    ) -> Option<Beginning> {
+        let of = self.run(repeat, run);
+        if rate[repeat].is_empty() {
+            return None;
+        }
+        let mut own = vec![0.0; rate[repeat].len()];
+        own[of.samples.clone()].copy_from_slice(&rate[repeat][of.samples.clone()]);
+        let mut column = Column::empty(rate.len());
+        column[repeat] = own;
+        let at_s = element.earlier.in_s(repeat, run);
+        let (longest_s, weight) = (LONGEST * constant_s, weight(noise, of));
+        Some(Beginning { element: index, repeat, run, at_s, longest_s, weight, column })
+    }
+
+    /// Elements whose runs began one step on.
+    pub(super) fn stepped(
+        &self,
+        mut elements: Vec<Element>,
+        beginnings: &[Beginning],
+        steps: &[f64],
+        shorter: f64,
+    ) -> Vec<Element> {
+        for (index, element) in elements.iter_mut().enumerate() {
+            let own = beginnings.iter().zip(steps).filter(|(of, _)| of.element == index);
+            let (mut now_s, mut sum, mut weights) = (Vec::new(), 0.0, 0.0);
+            for (of, step_s) in own {
+                let step_s = (shorter * step_s).clamp(-of.longest_s, of.longest_s);
+                now_s.push(((of.repeat, of.run), of.at_s + step_s));
+                sum += of.weight * (of.at_s + step_s);
+                weights += of.weight;
+            }
+            if now_s.is_empty() {
+                continue;
+            }
+            // That all began earlier is another amplitude and another set-up: of that what is plausible decides, and at once, as
+            // steps along it bend.
+            let all_s = sum / weights;
+            element.earlier = self.each(|repeat, run| {
+                let of = now_s.iter().find(|(place, _)| *place == (repeat, run));
+                of.map_or(0.0, |(_, earlier_s)| earlier_s - all_s)
+            });
+        }
+        elements
+    }
+
+    /// Half the way from one to another.
+    pub(super) fn half_way(&self, one: &Earlier, other: &Earlier) -> Earlier {
+        if !one.tells() && !other.tells() {
+            return Earlier::default();
+        }
+        self.each(|repeat, run| 0.5 * (one.in_s(repeat, run) + other.in_s(repeat, run)))
+    }
+
+    /// An element all of whose runs began earlier by so much.
+    fn all_earlier(&self, element: &Element, by_s: f64) -> Element {
+        let earlier = self.each(|repeat, run| element.earlier.in_s(repeat, run) + by_s);
+        Element { earlier, ..element.clone() }
+    }
+
+    fn each(&self, of_run: impl Fn(usize, usize) -> f64) -> Earlier {
+        let repeats = self.residuals.repeats.iter().enumerate();
+        let runs = |(repeat, of): (usize, &Repeat)| {
+            (0..of.runs.len()).map(|run| of_run(repeat, run)).collect()
+        };
+        Earlier::of(repeats.map(runs).collect())
+    }
+
+    /// The noise of what is left of the first fit that somebody has asked for it.
+    fn left(&mut self, amplitudes: &[Vec<f64>], system: &System) -> Noise {
+        if let Some(noise) = self.noise {
+            return noise;
+        }
+        let mut sum = self.residuals.zeros();
+        for (amplitude, column) in amplitudes.iter().flatten().zip(&system.columns) {
+            sum.add(*amplitude, column);
+        }
+        let mut left_mm = self.beside.left_mm.clone();
+        left_mm.add(-1.0, &self.beside.outside(&sum));
+        let noise = Noise::of(self.residuals, &left_mm);
+        self.noise = Some(noise);
+        noise
+    }
+
+    fn run(&self, repeat: usize, run: usize) -> &Run {
+        &self.residuals.repeats[repeat].runs[run]
+    }
+}
+
+/// What is plausible of when a run began weighs so much beside the sum of squares, mm²/s².
+fn weight(noise: &Noise, run: &Run) -> f64 {
+    noise.long_run_mm2 / run.began_sigma_s.max(KNOWN_S).powi(2)
+}
