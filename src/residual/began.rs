@@ -54,18 +54,26 @@ impl Beginning {
 pub(super) struct Began<'a> {
     residuals: &'a Residuals,
     beside: &'a Beside<'a>,
+    /// Which repeats take part.
+    repeats: &'a [bool],
     /// Whether there are runs to be compared, and pauses that hide when they began.
     hidden: bool,
-    /// Of what the first fit leaves: what is plausible of a beginning is weighed by it.
-    noise: Option<Noise>,
+    /// What chance gives an amplitude by what the first fit leaves, mm²: what is plausible of a beginning is weighed by it.
+    chance_mm2: Option<f64>,
 }
 
 impl<'a> Began<'a> {
-    pub(super) fn new(beside: &'a Beside<'a>) -> Self {
+    pub(super) fn new(beside: &'a Beside<'a>, repeats: &'a [bool]) -> Self {
         let residuals = beside.residuals;
-        let mut runs = residuals.repeats.iter().flat_map(|repeat| &repeat.runs);
-        let hidden = residuals.runs().count() > 1 && runs.any(|run| run.began_sigma_s > KNOWN_S);
-        Self { residuals, beside, hidden, noise: None }
+        let mut began = Self { residuals, beside, repeats, hidden: false, chance_mm2: None };
+        let hides = |(repeat, run)| began.run(repeat, run).began_sigma_s > KNOWN_S;
+        began.hidden = began.runs().count() > 1 && began.runs().any(hides);
+        began
+    }
+
+    /// The runs that take part: repeat and run.
+    fn runs(&self) -> impl Iterator<Item = (usize, usize)> {
+        self.residuals.runs().filter(|(repeat, _)| self.repeats[*repeat])
     }
 
     /// What the beginnings of elements cost that are fitted with these amplitudes, whose columns come first in a system, mm².
@@ -78,13 +86,13 @@ impl<'a> Began<'a> {
         if !elements.iter().any(|element| element.earlier.tells()) {
             return 0.0;
         }
-        let noise = self.left(amplitudes, system);
+        let chance_mm2 = self.chance_mm2(amplitudes, system);
         let of_element = |element: &Element| -> f64 {
             let of_run = |(repeat, run): (usize, usize)| match element.earlier.in_s(repeat, run) {
                 0.0 => 0.0,
-                earlier_s => weight(&noise, self.run(repeat, run)) * earlier_s * earlier_s,
+                earlier_s => weight(chance_mm2, self.run(repeat, run)) * earlier_s * earlier_s,
             };
-            self.residuals.runs().map(of_run).sum()
+            self.runs().map(of_run).sum()
         };
         elements.iter().filter(|element| element.earlier.tells()).map(of_element).sum()
     }
@@ -100,15 +108,18 @@ impl<'a> Began<'a> {
         let mut first = 0;
         for (index, (element, own)) in elements.iter().zip(amplitudes).enumerate() {
             if let Some(constant_s) = element.time_constant_s().filter(|_| self.hidden) {
-                let noise = self.left(amplitudes, system);
+                let chance_mm2 = self.chance_mm2(amplitudes, system);
                 let step_s = STEP * constant_s;
                 let mut rate = self.all_earlier(element, step_s).columns(self.residuals).remove(0);
                 rate.add(-1.0, &system.columns[first]);
+                let out = rate.iter_mut().zip(self.repeats).filter(|(_, takes_part)| !**takes_part);
+                out.for_each(|(of_repeat, _)| of_repeat.clear());
                 let rate = rate.times(own[0] / step_s);
                 let seen = NEXT_TO_NOTHING * rate.square();
-                let of_run = |place| self.of_run(index, element, place, constant_s, &rate, &noise);
-                let of_runs = self.residuals.runs().filter_map(of_run);
-                let of_runs: Vec<_> = of_runs.filter(|of| of.column.square() > seen).collect();
+                let of_run =
+                    |place| self.of_run(index, element, place, constant_s, &rate, chance_mm2);
+                let of_runs = self.runs().map(of_run).filter(|of| of.column.square() > seen);
+                let of_runs: Vec<Beginning> = of_runs.collect();
                 let explain: f64 = of_runs.iter().map(|of| of.column.square() / of.weight).sum();
                 if element.earlier.tells() || explain > OF_CHANCE {
                     found.extend(of_runs);
@@ -127,19 +138,16 @@ impl<'a> Began<'a> {
         (repeat, run): (usize, usize),
         constant_s: f64,
         rate: &Column,
-        noise: &Noise,
-    ) -> Option<Beginning> {
+        chance_mm2: f64,
+    ) -> Beginning {
         let of = self.run(repeat, run);
-        if rate[repeat].is_empty() {
-            return None;
-        }
         let mut own = vec![0.0; rate[repeat].len()];
         own[of.samples.clone()].copy_from_slice(&rate[repeat][of.samples.clone()]);
         let mut column = Column::empty(rate.len());
         column[repeat] = own;
         let at_s = element.earlier.in_s(repeat, run);
-        let (longest_s, weight) = (LONGEST * constant_s, weight(noise, of));
-        Some(Beginning { element: index, repeat, run, at_s, longest_s, weight, column })
+        let (longest_s, weight) = (LONGEST * constant_s, weight(chance_mm2, of));
+        Beginning { element: index, repeat, run, at_s, longest_s, weight, column }
     }
 
     /// Elements whose runs began one step on.
@@ -152,22 +160,26 @@ impl<'a> Began<'a> {
     ) -> Vec<Element> {
         for (index, element) in elements.iter_mut().enumerate() {
             let own = beginnings.iter().zip(steps).filter(|(of, _)| of.element == index);
-            let (mut now_s, mut sum, mut weights) = (Vec::new(), 0.0, 0.0);
-            for (of, step_s) in own {
+            let now_s = own.map(|(of, step_s)| {
                 let step_s = (shorter * step_s).clamp(-of.longest_s, of.longest_s);
-                now_s.push(((of.repeat, of.run), of.at_s + step_s));
-                sum += of.weight * (of.at_s + step_s);
-                weights += of.weight;
-            }
+                (of, of.at_s + step_s)
+            });
+            let now_s: Vec<(&Beginning, f64)> = now_s.collect();
             if now_s.is_empty() {
                 continue;
             }
             // That all began earlier is another amplitude and another set-up: of that what is plausible decides, and at once, as
-            // steps along it bend.
-            let all_s = sum / weights;
+            // steps along it bend. What takes no part keeps its place among the others.
+            let weights: f64 = now_s.iter().map(|(of, _)| of.weight).sum();
+            let mean_s = now_s.iter().map(|(of, now_s)| of.weight * now_s).sum::<f64>() / weights;
+            let was_s = now_s.iter().map(|(of, _)| of.weight * of.at_s).sum::<f64>() / weights;
             element.earlier = self.each(|repeat, run| {
-                let of = now_s.iter().find(|(place, _)| *place == (repeat, run));
-                of.map_or(0.0, |(_, earlier_s)| earlier_s - all_s)
+                let told = now_s.iter().find(|(of, _)| (of.repeat, of.run) == (repeat, run));
+                match told {
+                    Some((_, now_s)) => now_s - mean_s,
+                    None if self.repeats[repeat] => 0.0,
+                    None => element.earlier.in_s(repeat, run) - was_s,
+                }
             });
         }
         elements
@@ -195,10 +207,10 @@ impl<'a> Began<'a> {
         Earlier::of(repeats.map(runs).collect())
     }
 
-    /// The noise of what is left of the first fit that somebody has asked for it.
-    fn left(&mut self, amplitudes: &[Vec<f64>], system: &System) -> Noise {
-        if let Some(noise) = self.noise {
-            return noise;
+    /// What chance gives an amplitude in the repeats that take part, by what the first fit leaves that somebody asks of.
+    fn chance_mm2(&mut self, amplitudes: &[Vec<f64>], system: &System) -> f64 {
+        if let Some(chance_mm2) = self.chance_mm2 {
+            return chance_mm2;
         }
         let mut sum = self.residuals.zeros();
         for (amplitude, column) in amplitudes.iter().flatten().zip(&system.columns) {
@@ -206,9 +218,19 @@ impl<'a> Began<'a> {
         }
         let mut left_mm = self.beside.left_mm.clone();
         left_mm.add(-1.0, &self.beside.outside(&sum));
-        let noise = Noise::of(self.residuals, &left_mm);
-        self.noise = Some(noise);
-        noise
+        let (mut all, mut taking) = (0, 0);
+        for (of_repeat, takes_part) in left_mm.iter_mut().zip(self.repeats) {
+            all += of_repeat.len();
+            if *takes_part {
+                taking += of_repeat.len();
+            } else {
+                of_repeat.fill(0.0);
+            }
+        }
+        let of_all_mm2 = Noise::of(self.residuals, &left_mm).long_run_mm2;
+        let chance_mm2 = of_all_mm2 * all as f64 / taking.max(1) as f64;
+        self.chance_mm2 = Some(chance_mm2);
+        chance_mm2
     }
 
     fn run(&self, repeat: usize, run: usize) -> &Run {
@@ -217,6 +239,6 @@ impl<'a> Began<'a> {
 }
 
 /// What is plausible of when a run began weighs so much beside the sum of squares, mm²/s².
-fn weight(noise: &Noise, run: &Run) -> f64 {
-    noise.long_run_mm2 / run.began_sigma_s.max(KNOWN_S).powi(2)
+fn weight(chance_mm2: f64, run: &Run) -> f64 {
+    chance_mm2 / run.began_sigma_s.max(KNOWN_S).powi(2)
 }

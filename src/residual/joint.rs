@@ -43,7 +43,7 @@ pub fn fit_to(beside: &Beside, elements: Vec<Element>, repeats: &[bool]) -> Opti
     let mut best: Option<Fitted> = None;
     let mut shorter = 1.0;
     let negligible_mm2 = OF_CHANCE * beside.noise().neighbours_mm2;
-    let mut began = Began::new(beside);
+    let mut began = Began::new(beside, repeats);
     for _ in 0..MOST_STEPS {
         let (mut system, counts) = system(beside, &elements, repeats);
         let linear = system.columns.len();
