@@ -160,6 +160,12 @@ impl Element {
         self.shape()?.inner.filter(|_| begins && self.owner == Owner::All)
     }
 
+    /// The share of its amplitude that it comes to in these runs: a drift with a time constant of years to next to nothing of it.
+    pub fn reached(&self, residuals: &Residuals) -> f64 {
+        self.time_constant_s()
+            .map_or(1.0, |constant_s| -(-residuals.longest_s() / constant_s).exp_m1())
+    }
+
     /// Whether, as it is, several of it make any curve.
     pub fn makes_any_curve(&self) -> bool {
         self.shape().is_some_and(|shape| (shape.cause.makes_any_curve)(shape.inner.unwrap_or(0.0)))

@@ -22,8 +22,10 @@ pub(crate) fn fallen(
         others.remove(k);
         let rest = if others.is_empty() { None } else { fit(others) };
         let gained = rest.as_ref().map_or(0.0, |rest| rest.gain_mm2);
-        // A spike that is over before the first reading after it may be as high as it likes: nobody saw it.
-        let seen = fitted.amplitudes[k].iter().all(|amplitude| amplitude.abs() < LINEAR_MM);
+        // A spike that is over before the first reading after it may be as high as it likes: nobody saw it. What a drift comes to
+        // after years nobody has to see.
+        let share = fitted.elements[k].reached(residuals);
+        let seen = fitted.amplitudes[k].iter().all(|amplitude| share * amplitude.abs() < LINEAR_MM);
         let own_mm2 = (fitted.gain_mm2 - gained).min(fitted.part_mm2(k, residuals));
         let own_mm2 = if seen { own_mm2 } else { 0.0 };
         // Thirty amplitudes of a vibration gain thirty times as much by chance as one does.
@@ -249,5 +251,18 @@ mod tests {
         assert!(!falls(Owner::All, 90.0));
         assert!(falls(Owner::EachRun, 45.0));
         assert!(!falls(Owner::EachRun, 150.0));
+    }
+
+    /// As good as a straight line: what it would come to after weeks is more than a bar can read.
+    #[test]
+    fn a_drift_that_has_hardly_begun_stands() {
+        let noise = residuals(3, white(5, NOISE_MM));
+        let drift = element("drift:on=EYt,time_constant_s=1e6");
+        let mut line = noise.zeros();
+        line.add(2.0 * LINEAR_MM, &drift.columns(&noise)[0]);
+        let with = noise.plus(&line);
+        let fitted = fit(&with.alone(), vec![drift]).unwrap();
+        assert!(fitted.amplitudes[0][0] > LINEAR_MM, "{:?}", fitted.amplitudes);
+        assert!(fallen(&with, &fitted, &|all| fit(&with.alone(), all)).is_none());
     }
 }
