@@ -59,15 +59,19 @@ impl Scene<'_> {
     /// The effects that the model holds beside its parameters, each with the index of its finding: they stand in the order of the
     /// findings, of what differs from run to run one a run.
     pub(super) fn found(&self) -> Vec<(usize, &HeldEffect)> {
-        let of = |(k, finding): (usize, &Finding)| {
+        let mut held = self.held.iter();
+        let mut found = Vec::new();
+        for (k, finding) in self.findings.iter().enumerate() {
+            let of_one_run = held.as_slice().first().is_some_and(|held| held.run.is_some());
             let count = match finding.owner() {
-                Owner::All if !finding.element.earlier.tells() => 1,
+                // One for all, or one for each run where these tell when they began.
+                Owner::All if !of_one_run => 1,
                 Owner::One { repeat, .. } => usize::from(repeat == self.repeat),
                 Owner::All | Owner::EachRun => self.identification.runs.len(),
             };
-            std::iter::repeat_n(k, count)
-        };
-        self.findings.iter().enumerate().flat_map(of).zip(self.held).collect()
+            found.extend(held.by_ref().take(count).map(|held| (k, held)));
+        }
+        found
     }
 }
 

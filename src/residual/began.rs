@@ -88,9 +88,9 @@ impl<'a> Began<'a> {
         }
         let chance_mm2 = self.chance_mm2(amplitudes, system);
         let of_element = |element: &Element| -> f64 {
-            let of_run = |(repeat, run): (usize, usize)| match element.earlier.in_s(repeat, run) {
-                0.0 => 0.0,
-                earlier_s => weight(chance_mm2, self.run(repeat, run)) * earlier_s * earlier_s,
+            let of_run = |(repeat, run): (usize, usize)| {
+                let earlier_s = element.earlier.in_s(repeat, run);
+                weight(chance_mm2, self.run(repeat, run)) * earlier_s * earlier_s
             };
             self.runs().map(of_run).sum()
         };

@@ -53,12 +53,9 @@ impl System {
 
     /// The largest part of a column's square that lies outside of what the fits and accepted effects follow.
     pub fn share_outside(&self) -> f64 {
-        (0..self.columns.len()).map(|k| self.share_of(k)).fold(0.0, f64::max)
-    }
-
-    /// That of one column.
-    pub(super) fn share_of(&self, k: usize) -> f64 {
-        self.normal[(k, k)] / self.anywhere.products[k][k].max(f64::MIN_POSITIVE)
+        let share =
+            |k: usize| self.normal[(k, k)] / self.anywhere.products[k][k].max(f64::MIN_POSITIVE);
+        (0..self.columns.len()).map(share).fold(0.0, f64::max)
     }
 
     /// What holds of the columns whatever is accepted, without them: each takes as much memory as there are samples.

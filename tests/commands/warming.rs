@@ -20,10 +20,7 @@ fn a_spindle_that_grows_by_a_tenth_of_a_millimetre_is_no_knock() {
     let truth = std::fs::read_to_string(work.path("results/truth.toml")).unwrap();
     let truth: toml::Table = toml::from_str(&truth).unwrap();
     let told = analysed(&work);
-    let [finding] = told["diagnosis"]["findings"].as_array().unwrap().as_slice() else {
-        panic!("{}", told["diagnosis"]["findings"])
-    };
-    assert_eq!((&finding["cause"], &finding["on"]), (&"drift".into(), &"EZt".into()), "{finding}");
+    let finding = the_drift(&told, "EZt");
     near(finding, "amplitude_um", 100.0);
     near(finding, "time_constant_s", 250.0);
     let asked = told["at_the_place"].as_array().unwrap();
@@ -65,10 +62,7 @@ fn a_ball_that_drifts_anew_in_each_plane_is_no_knock() {
     let simulate = ["simulate", "test.toml", "--scenario", "slow.toml", "--hide", drift];
     work.ballbar(&[&simulate[..], &["--seed", "3"]].concat()).done();
     let told = analysed(&work);
-    let [finding] = told["diagnosis"]["findings"].as_array().unwrap().as_slice() else {
-        panic!("{}", told["diagnosis"]["findings"])
-    };
-    assert_eq!((&finding["cause"], &finding["on"]), (&"drift".into(), &"EYt".into()), "{finding}");
+    let finding = the_drift(&told, "EYt");
     near(finding, "amplitude_um", 176.5);
     near(finding, "time_constant_s", 262.0);
 }
@@ -78,6 +72,15 @@ fn analysed(work: &Work) -> Value {
     work.ballbar(&["analyse", "results/test.toml"]).done();
     let told = std::fs::read_to_string(work.path("results/analysis.json")).unwrap();
     serde_json::from_str(&told).unwrap()
+}
+
+/// The only finding, which is a drift there.
+fn the_drift<'a>(told: &'a Value, on: &str) -> &'a Value {
+    let findings = told["diagnosis"]["findings"].as_array().unwrap();
+    assert_eq!(findings.len(), 1, "{findings:?}");
+    let finding = &findings[0];
+    assert_eq!((&finding["cause"], &finding["on"]), (&"drift".into(), &on.into()), "{finding}");
+    finding
 }
 
 /// A number of a finding is what was put in, to three of its deviations.
