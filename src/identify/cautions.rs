@@ -15,6 +15,8 @@ const STEP_S: f64 = 0.04;
 const REACH_S: f64 = 0.5;
 /// A program may touch the end of the travel, and files are rounded, mm.
 const BESIDE_MM: f64 = 1.0;
+/// Of half a circle of 300 mm the farthest of so many places is within 0.1 mm of its end.
+const PLACES: usize = 64;
 /// In units of the robust scale.
 const FAR_OFF: f64 = 10.0;
 
@@ -99,8 +101,14 @@ fn short(run: &str, alignment: &Alignment) -> Option<String> {
 
 /// A place outside of the travel: the program ran, so a file has it wrong.
 fn beyond_travel(run: &IdentifiedRun, machine: &Machine) -> Option<String> {
+    // Of what is commanded: every run of a program says the same.
     let range_mm = |axis: Axis| {
-        let at = run.records.iter().map(|r| r.sample.pose.position_mm[axis.index()]);
+        let places = run.alignment.sections.iter().flat_map(|arc| {
+            let at_s =
+                |k: usize| arc.start_s + (arc.end_s - arc.start_s) * k as f64 / PLACES as f64;
+            (0..=PLACES).map(at_s)
+        });
+        let at = places.map(|s| run.alignment.trajectory.at(s).position_mm[axis.index()]);
         at.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], h| [low.min(h), high.max(h)])
     };
     let inside = |[low, high]: [f64; 2], axis: Axis| {
@@ -112,9 +120,9 @@ fn beyond_travel(run: &IdentifiedRun, machine: &Machine) -> Option<String> {
     let (&axis, file) = (outside.first()?, machine.file().display());
     let ([low, high], [lowest, highest]) = (range_mm(axis), machine.slide(axis).travel_mm);
     let at = if high - low < BESIDE_MM {
-        format!("has {axis} at {low:.1} mm")
+        format!("have {axis} at {low:.1} mm")
     } else {
-        format!("takes {axis} from {low:.1} to {high:.1} mm")
+        format!("take {axis} from {low:.1} to {high:.1} mm")
     };
     let turned = outside.iter().all(|&axis| inside([-range_mm(axis)[1], -range_mm(axis)[0]], axis));
     let advice = if turned {
@@ -133,7 +141,7 @@ fn beyond_travel(run: &IdentifiedRun, machine: &Machine) -> Option<String> {
         format!("`travel_mm` in {file} or `coincidence_mm` in the test file is wrong")
     };
     Some(format!(
-        "the program {at} in machine coordinates, and the travel of {axis} is {lowest:.1} to {highest:.1} mm: {advice}"
+        "arcs of the program {at} in machine coordinates, and the travel of {axis} is {lowest:.1} to {highest:.1} mm: {advice}"
     ))
 }
 

@@ -235,9 +235,19 @@ fn a_zero_that_is_meant_the_other_way() {
     ] {
         let work = changed("rate250", "O4001.nc", |line| line);
         rewrite(&work, file, from, to);
-        let told = caution(&analysed(&work), "in machine coordinates");
+        let analysis = analysed(&work);
+        let told = caution(&analysis, "in machine coordinates");
         assert!(told.contains("the other way") && told.contains(write), "{told}");
+        let all = analysis["cautions"].as_array().unwrap().iter().filter_map(Value::as_str);
+        let of_travel = all.filter(|caution| caution.contains("in machine coordinates"));
+        assert_eq!(of_travel.count(), 1, "{analysis}");
     }
+    // What is commanded, wherever readings lie.
+    let work = changed("hu40t", "O1005.nc", |line| line);
+    rewrite(&work, "machine.toml", "travel_mm = [-280.0, 280.0]", "travel_mm = [-280.0, 100.0]");
+    let told = work.ballbar(&["identify", "test.toml", "--json"]).done().stdout();
+    let told = caution(&serde_json::from_str(&told).unwrap(), "in machine coordinates");
+    assert!(told.contains("take X from -130.0 to 170.0 mm"), "{told}");
 }
 
 /// Two runs of a set that is listed whole, the logs of two of them exchanged.

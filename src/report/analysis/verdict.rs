@@ -13,7 +13,8 @@ pub(super) fn of(analysis: &Analysis) -> Vec<String> {
     let used: usize = analysis.repeats.iter().map(|r| r.samples.used).sum();
     let rejected: usize = analysis.repeats.iter().map(|r| r.samples.rejected).sum();
     let (rms, before) = analysis.residual_rms_um();
-    let before = before.map(|rms| format!(" (without what was found: {} um)", fixed(rms, 3)));
+    let before =
+        before.map(|rms| format!(" (a fit without what was found leaves {} um)", fixed(rms, 3)));
     vec![
         format!(
             "{} aligned in {}, worst time uncertainty {} ms.",
