@@ -25,6 +25,7 @@ mod following;
 mod lay;
 mod leg_chords;
 mod mean_path;
+mod means;
 mod misread;
 mod off_centre;
 mod path_steps;
