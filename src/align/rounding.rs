@@ -10,11 +10,10 @@
 
 use nalgebra::Vector3;
 
-use super::following::{Following, HAIR_S};
+use super::following::Following;
 use super::samples::Alignment;
 use super::time_map::TimeMap;
-use crate::model::Averaged;
-use crate::motion::{State, Times};
+use crate::motion::Times;
 
 /// Chords that are off their arc by less than rounding of the program are none, mm.
 pub const NO_SAG_MM: f64 = 1e-5;
@@ -86,28 +85,6 @@ impl Alignment {
         let [mean_mm, _] = following.mean(&self.trajectory, &times, near);
         let along = self.along(middle_mm);
         along.dot(&(mean_mm - middle_mm)) + self.across_mm(&along, velocity_mm_s, program_s)
-    }
-
-    /// The velocity of slides that follow chords, mm/s, in its mean over the readings of a sample about a program time, and over the
-    /// chords where a leg counts by the mean of them so long: what is commanded jumps from one chord to the next, and what hangs on it
-    /// in slides that follow late, or in readings that are a mean, does not.
-    pub(super) fn velocity_mm_s(
-        &self,
-        following: &Following,
-        commanded: &State,
-        program_s: f64,
-        (averaged, blur_s): (&Averaged, f64),
-    ) -> Vector3<f64> {
-        let readings_s = if averaged.readings > 1.0 { averaged.lasts_s() } else { 0.0 };
-        let hair_s = if following.at_once() { 0.0 } else { 2.0 * HAIR_S };
-        let over_s = readings_s.max(blur_s).max(hair_s);
-        if over_s <= 0.0 {
-            return commanded.velocity_mm_s;
-        }
-        let [before_mm, after_mm] = [-0.5, 0.5].map(|share| {
-            following.at(&self.trajectory, program_s + share * over_s, commanded.block)[0]
-        });
-        (after_mm - before_mm) / over_s
     }
 
     /// By how much the bar is longer in its mean over a window than along it, for the way across it, mm.

@@ -193,10 +193,6 @@ impl Alignment {
             let blur_s =
                 if matches!(part, Part::Arc(_)) { time_map.chords[moment.leg].blur_s } else { 0.0 };
             let of_chords = self.chord_sag_mm > 0.0 && matches!(part, Part::Arc(_));
-            if of_chords {
-                let over = (&averaged, blur_s);
-                state.velocity_mm_s = self.velocity_mm_s(following, &state, moment.program_s, over);
-            }
             let at = (moment.program_s, state.block);
             let [followed_mm, _] = following.at(trajectory, at.0, at.1);
             let bow_mm = if !means || !moves || blur_s > 0.0 {
@@ -263,11 +259,7 @@ impl Alignment {
     /// A sample of an arc as it would be a little later on its way, by how slides [follow](Self::following).
     pub fn later(&self, following: &Following, sample: &Sample, later_s: f64) -> Sample {
         let program_s = sample.program_s + later_s;
-        let mut state = self.trajectory.at_near(program_s, sample.block);
-        if self.chord_sag_mm > 0.0 {
-            let over = (&sample.motion.averaged, self.time_map.chords[sample.leg].blur_s);
-            state.velocity_mm_s = self.velocity_mm_s(following, &state, program_s, over);
-        }
+        let state = self.trajectory.at_near(program_s, sample.block);
         let late_s = self.time_map.delays_s - self.time_map.unlike_s();
         let late_mm = late_s.component_mul(&state.velocity_mm_s);
         let at_mm =

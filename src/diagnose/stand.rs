@@ -9,7 +9,6 @@ use super::choose::run::{self, Again};
 use super::choose::settings::{self, Corrected, WrongSetting};
 use super::choose::tidy::fallen;
 use super::result::ExtendedModel;
-use super::thresholds::SAME;
 use crate::error::Result;
 use crate::identify::Campaign;
 use crate::machine::Machine;
@@ -19,8 +18,7 @@ use crate::residual::{self, Beside, Residuals};
 /// The extended model is looked at again so often, at most, for effects that are no more or that it uncovers.
 const MOST_LOOKS: usize = 2;
 /// A fit with effects leaves so much of what it leaves without them, at the most: one that follows as well without, as it does a slide
-/// that is late, is as good but for rounding, and for what of an effect is not exactly its [own](SAME). One that leaves more has lost
-/// its times.
+/// that is late, is as good but for rounding. One that leaves more has lost its times.
 const AS_WELL: f64 = 1.02;
 /// How often [`Standing::of`] says that something is done: the settings, the search, the extended model, the gain.
 pub(super) const STEPS: usize = 4;
@@ -64,10 +62,8 @@ impl Standing {
             // With them it must leave less than without, and the fit, which lets slides follow unlike, no more than before.
             let extended = extended.filter(|now| {
                 let left_mm2 = beside(&now.residuals, Some(&now.chosen)).left_mm2();
-                let gain_mm = now.residuals.rms_mm(now.chosen.fitted.gain_mm2);
-                let as_well_mm = (AS_WELL * campaign.rms_mm()).hypot(SAME.sqrt() * gain_mm);
                 now.residuals.rms_mm(left_mm2) < searched.rms_mm(searched.model_mm2())
-                    && now.campaign.rms_mm() < as_well_mm
+                    && now.campaign.rms_mm() < AS_WELL * campaign.rms_mm()
             });
             // Effects that cannot be together: the largest first, so the last goes.
             if let (Some(astray), None) = (&chosen, &extended) {

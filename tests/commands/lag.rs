@@ -71,25 +71,3 @@ fn no_lag_is_told_of_three_circles_that_have_it_alike() {
         }
     }
 }
-
-/// From one chord to the next its velocity jumps, and with it what a slide is late by: a thousand readings a second are taken twenty at
-/// a time, and their mean jumps a twentieth of that.
-#[test]
-fn a_slide_that_leads_where_all_follow_late_is_named() {
-    let work = Work::new();
-    work.write("machine.toml", std::fs::read(project().join("machines/hu40t.toml")).unwrap())
-        .write("late.toml", "sample_rate_hz = 1000\nresolution_um = 0.001\n[noise]\nwhite_um = 0.06\ncorrelated_um = 0.0\n[motion]\nfollowing_ms = [17.4, 17.4, 17.4]\n")
-        .test("[plan]\nstrategy = \"3d6\"\nfeed_mm_min = 2950.0\n");
-    let servo = "servo:on=Z,delay_ms=-0.7576";
-    let simulate = ["simulate", "test.toml", "--scenario", "late.toml", "--hide", servo];
-    work.ballbar(&[&simulate[..], &["--seed", "3"]].concat()).done();
-    work.ballbar(&["analyse", "results/test.toml"]).done();
-    let told = std::fs::read_to_string(work.path("results/analysis.json")).unwrap();
-    let told: Value = serde_json::from_str(&told).unwrap();
-    let findings = told["diagnosis"]["findings"].as_array().unwrap();
-    assert_eq!(findings.len(), 1, "{findings:?}");
-    assert_eq!((&findings[0]["cause"], &findings[0]["on"]), (&"servo".into(), &"Z".into()));
-    let number = &findings[0]["numbers"][0];
-    let off_ms = number["value"].as_f64().unwrap() + 0.7576;
-    assert!(off_ms.abs() < 3.0 * number["sigma"].as_f64().unwrap(), "{number}");
-}

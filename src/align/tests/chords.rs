@@ -5,37 +5,6 @@ use nalgebra::Vector3;
 use super::*;
 use crate::motion::Times;
 
-/// What hangs on the velocity of slides that follow chords, in a sample that is the mean of many readings, hangs on the mean of what
-/// each of them has; and slides that follow late go from one chord to the next without a jump.
-#[test]
-fn the_velocity_of_a_mean_is_that_of_its_readings() {
-    let bench = Bench::fed(2950, "strategy = \"3d6\"\nchord_sag_um = 0.6\n");
-    let scenario = Scenario { sample_rate_hz: Some(1000.0), ..Scenario::default() };
-    let run = bench.simulated(&scenario);
-    for following_s in [0.0, 0.0174] {
-        let mut alignment = bench.aligned(&log_of(&run.csv())).unwrap();
-        alignment.time_map.following_s = following_s;
-        let trajectory = &alignment.trajectory;
-        let following = alignment.following(0.0);
-        let goes_mm_s = |at_s: f64, near: usize| {
-            let [before, after] =
-                [-1e-5, 1e-5].map(|s| following.at(trajectory, at_s + s, near)[0]);
-            (after - before) / 2e-5
-        };
-        let samples = alignment.samples();
-        let on_arc = samples.iter().filter(|sample| sample.part == Part::Arc(0)).skip(50);
-        for sample in on_arc.take(400) {
-            let times = alignment.times(sample.program_s);
-            assert!(times.count > 1);
-            let each = (0..times.count).map(|k| goes_mm_s(times.at_s(k as f64), sample.block));
-            let mean_mm_s = each.sum::<Vector3<f64>>() / times.count as f64;
-            // From one chord to the next it jumps by 0.35 mm/s.
-            let off_mm_s = (sample.motion.velocity_mm_s - mean_mm_s).norm();
-            assert!(off_mm_s < 0.02, "{following_s}: {off_mm_s} mm/s");
-        }
-    }
-}
-
 /// What a sample that is the mean of many readings is laid on, is the mean of what each of them would be laid on.
 #[test]
 fn the_mean_of_readings_along_chords_is_that_of_each() {
