@@ -154,19 +154,19 @@ impl Bent {
             elapsed_s: machine_s.max(0.0),
             program_s: moment.program_s,
             reversals: [0, 1, 2].map(turned),
-            lag_mm: self.lag_mm(drive, machine_s, &moment, &state),
+            lag_mm: self.lag_mm(drive, machine_s, &moment, &driven),
         };
         (moment, state, condition)
     }
 
-    /// How far every slide is from its commanded place, mm, because it is where it was commanded to be some
-    /// time ago on the machine's clock: in a pause it arrives late, and then stands where the others do.
+    /// How far every slide is from where it is driven, mm, because it is where it would have been some time ago on the machine's
+    /// clock: in a pause it arrives late, and then stands where the others do.
     fn lag_mm(
         &self,
         drive: &Drive,
         machine_s: f64,
         moment: &ClockMoment,
-        state: &State,
+        driven: &State,
     ) -> Vector3<f64> {
         let stands = moment.in_pause || moment.program_s < 0.0;
         Vector3::from(Axis::ALL.map(|slide| {
@@ -175,9 +175,10 @@ impl Bent {
             if delay_s == 0.0 || (delay_s < 0.0 && stands) {
                 return 0.0;
             }
-            let then = drive.clock.moment(machine_s - delay_s);
-            let was_mm = drive.trajectory.at(then.program_s).position_mm;
-            was_mm[slide.index()] - state.position_mm[slide.index()]
+            let then_s = machine_s - delay_s;
+            let commanded = state_at(&drive.trajectory, &drive.clock.moment(then_s));
+            let was = drive.following.followed(then_s, &commanded);
+            was.position_mm[slide.index()] - driven.position_mm[slide.index()]
         }))
     }
 

@@ -183,6 +183,23 @@ fn a_late_slide_stands_where_it_was_commanded_to_be() {
     }
 }
 
+/// A slide that follows its command late and is late besides stands where, without the delay, it would have stood that long ago: what
+/// slides do with jumps of the commanded velocity, they do a delay later.
+#[test]
+fn slides_that_follow_and_are_late_do_all_they_do_a_delay_later() {
+    let bench = bench("hu40t.toml");
+    let mut followed = Scenario { sample_rate_hz: Some(500.0), ..perfect() };
+    followed.control.following_s = Vector3::new(0.010, 0.015, 0.020);
+    let late = ["X", "Y", "Z"].map(|slide| format!("servo:on={slide},delay_ms=4"));
+    let late = bench.run(&hiding(followed.clone(), &late.each_ref().map(String::as_str)));
+    let in_time = bench.run(&followed);
+    let readings_late = 2;
+    for (late, in_time) in late.truth[readings_late..].iter().zip(&in_time.truth) {
+        let off_mm = late.exact_mm - in_time.exact_mm;
+        assert!(off_mm.abs() < 1e-8, "{:?}: {off_mm} mm", late.moment);
+    }
+}
+
 #[test]
 fn the_tool_lags_by_delay_times_velocity_on_either_side() {
     for machine in ["hu40t.toml", "vertical.toml"] {
