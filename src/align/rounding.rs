@@ -101,6 +101,12 @@ impl Alignment {
 }
 
 impl TimeMap {
+    /// Corners are rounded out by so much more of their share, whose standard deviation is then this.
+    pub fn round_out(&mut self, more: f64, sigma: f64) {
+        self.rounded += more;
+        self.turns_rounded = if self.rounded > TOLD * sigma { self.rounded } else { 0.0 };
+    }
+
     /// By how much the time constant is uncertain because the control rounds the corners of chords, s; 0 where it is not told to.
     ///
     /// Readings tell a lag by what it takes from chords, and its way round a corner takes from them, too. A mean over chords that

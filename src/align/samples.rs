@@ -236,7 +236,7 @@ impl Alignment {
                     reversals: self.reversals.last(
                         moment.program_s,
                         &state.position_mm,
-                        time_map.rounded,
+                        time_map.turns_rounded,
                     ),
                     corner: trajectory.corner(moment.program_s, state.block),
                     averaged,
@@ -275,7 +275,7 @@ impl Alignment {
             velocity_mm_s: state.velocity_mm_s,
             elapsed_s: sample.motion.elapsed_s + later_s,
             program_s,
-            reversals: self.reversals.last(program_s, &position_mm, self.time_map.rounded),
+            reversals: self.reversals.last(program_s, &position_mm, self.time_map.turns_rounded),
             corner: self.trajectory.corner(program_s, state.block),
             ..sample.motion
         };

@@ -53,6 +53,9 @@ pub struct TimeMap {
     pub rounded: f64,
     /// Standard deviation of that.
     pub rounded_sigma: f64,
+    /// By which share corners are rounded out at which slides turn: that, where it is told. A slide that comes to stand on a chord that
+    /// does not move it turns half a chord sooner, however little of its corner is rounded out.
+    pub turns_rounded: f64,
     /// How much later than the mean of those that move each slide follows, s.
     pub delays_s: Vector3<f64>,
     /// Standard deviation of that, s.
@@ -118,6 +121,7 @@ impl TimeMap {
             cut_mm: 0.0,
             rounded: 0.0,
             rounded_sigma: 0.0,
+            turns_rounded: 0.0,
             delays_s: Vector3::zeros(),
             delay_sigmas_s: Vector3::zeros(),
             longer: Vector3::zeros(),

@@ -334,7 +334,8 @@ impl<'a> Fit<'a> {
                 map.cut_mm += step[cut];
             }
             if let Some(column) = self.columns.rounded(index) {
-                map.rounded += step[column];
+                let own = &covariance.own[index];
+                map.round_out(step[column], own[(column, column)].max(0.0).sqrt());
             }
             for (change_s, &leg) in step.iter().zip(&self.columns.legs[index]) {
                 // No step beyond a few seconds: far from the truth the derivative is not to be trusted.

@@ -34,3 +34,30 @@ fn the_mean_of_readings_along_chords_is_that_of_each() {
         }
     }
 }
+
+/// A slide that comes to stand on a short chord and goes back on the next turns where that begins as long as nothing tells that corners
+/// are rounded out, and half of the short chord sooner where it is told, whatever the share.
+#[test]
+fn a_share_that_is_not_told_turns_no_slide_sooner() {
+    // A short chord across the pole does not move Z.
+    let bench = Bench::fed(2750, "strategy = \"3d6\"\n");
+    let run = bench.simulated(&Scenario::default());
+    let mut alignment = bench.aligned(&log_of(&run.csv())).unwrap();
+    let turned_ago_s = |alignment: &Alignment| -> Vec<Option<f64>> {
+        let samples = alignment.samples();
+        samples.iter().map(|sample| Some(sample.motion.reversals[2]?.ago_s)).collect()
+    };
+    let planned_s = turned_ago_s(&alignment);
+    let most_s = |rounded: &[Option<f64>]| {
+        let sooner =
+            rounded.iter().zip(&planned_s).filter_map(|(now, planned)| Some((*now)? - (*planned)?));
+        sooner.fold(0.0, f64::max)
+    };
+    for (more, sigma, told) in [(1e-3, 0.1, false), (0.2, 0.1, false), (0.2, 0.02, true)] {
+        alignment.time_map.rounded = 0.0;
+        alignment.time_map.round_out(more, sigma);
+        let sooner_s = most_s(&turned_ago_s(&alignment));
+        assert_eq!(sooner_s > 5e-3, told, "{more} {sigma}: {sooner_s}");
+        assert!(told || sooner_s.abs() <= 0.0, "{more} {sigma}: {sooner_s}");
+    }
+}
