@@ -47,9 +47,9 @@ impl Alignment {
         in_mean && self.path(leg).is_some_and(|path| path.step_at(program_s, within_s).is_some())
     }
 
-    /// By how much the path of a leg steps from one program time to another, mm.
-    pub fn steps_mm(&self, leg: usize, from_s: f64, to_s: f64) -> f64 {
-        self.path(leg).map_or(0.0, |path| path.stepped_mm(to_s) - path.stepped_mm(from_s))
+    /// By how much the path of a leg has stepped until a program time, mm.
+    pub fn stepped_mm(&self, leg: usize, until_s: f64) -> f64 {
+        self.path(leg).map_or(0.0, |path| path.stepped_mm(until_s))
     }
 
     /// The path of a leg, where it was looked up.

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::input::RunInput;
+use super::leg_path::Senses;
 use super::leg_readings::{LegReadings, Misfit};
 use super::record::Apart;
 use super::timing::{Detail, stride, view};
@@ -59,8 +60,8 @@ pub(super) enum Look {
 /// pace lets times differ by more along the leg, the slope at a reading is not that of its chord: the path counts by
 /// its mean, and `p` by its mean and its variance, what `sigma` knows left out. Whether any leg counts otherwise than before.
 pub(super) fn find(model: &Model, values: &[f64], run: &mut RunInput, look: Look) -> bool {
-    let reversals_s = run.alignment.trajectory.reversals_s();
-    let of_leg = |leg: usize| Looked::of_leg(model, values, (run, &reversals_s), leg, look);
+    let senses = Senses::of(&run.alignment.trajectory);
+    let of_leg = |leg: usize| Looked::of_leg(model, values, (run, &senses), leg, look);
     let looked: Vec<Looked> = run.alignment.legs().into_iter().filter_map(of_leg).collect();
     let rounded_out = are_rounded_out(&looked);
     let map = &mut run.alignment.time_map;
@@ -107,14 +108,14 @@ impl Looked {
     fn of_leg(
         model: &Model,
         values: &[f64],
-        (run, reversals_s): (&RunInput, &[f64]),
+        (run, senses): (&RunInput, &Senses),
         leg: usize,
         look: Look,
     ) -> Option<Self> {
         let map = &run.alignment.time_map;
         let (catch_s, chords) = (catch_s(map, leg), &map.chords[leg]);
         let stride = stride(run.samples().len());
-        let held = LegReadings::of_leg(model, values, (run, reversals_s), leg, stride);
+        let mut held = LegReadings::of_leg(model, values, (run, senses), leg, stride);
         let along_s = 0.5 * held.lasts_s() * map.rate_sigma.hypot(map.pace_sigma);
         let counts = look == Look::Again && chords.blur_s <= 0.0;
         let known = counts || map.offset_sigmas_s[leg] < KNOWN * catch_s;
@@ -136,6 +137,7 @@ impl Looked {
         let a_catch = if known { STEPS_WITHIN } else { STEPS_A_CATCH };
         let step_s = (catch_s / a_catch).max(reach_s / MOST_STEPS);
         let reach = (reach_s / step_s).ceil() as i32;
+        held.look_up(reach_s + step_s, catch_s / STEPS_A_CATCH, 2 * reach as usize + 1);
         let shifts = (-reach..=reach).into_par_iter().map(|k| f64::from(k) * step_s);
         let misfits: Vec<(f64, Misfit)> =
             shifts.map(|shift_s| (shift_s, held.misfit(shift_s, visible))).collect();

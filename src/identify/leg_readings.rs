@@ -1,9 +1,10 @@
 //! The readings of a leg, and what a shift of the leg leaves of them.
 
-use nalgebra::Vector3;
+use rayon::prelude::*;
 
 use super::input::RunInput;
-use super::timing::{Detail, SMOOTH_S, TURNING_S, view};
+use super::leg_path::{Facets, Senses};
+use super::timing::{Detail, TURNING_S, view};
 use crate::align::{Part, Sample};
 use crate::machine::Pose;
 use crate::model::Model;
@@ -59,22 +60,35 @@ impl Misfit {
     }
 }
 
+/// A reading of a leg.
+pub(super) struct Reading<'a> {
+    sample: &'a Sample,
+    /// It minus the slow part of the prediction, without what the path has stepped until there, mm.
+    slow_mm: f64,
+    /// By how much the bar is longer with the senses after so many turns of the program, and after each of the next, mm: wherever a shift
+    /// brings it.
+    turned_mm: (usize, Vec<f64>),
+}
+
 /// The readings of a leg, each with what a shift of the leg leaves of its prediction.
 pub(super) struct LegReadings<'a> {
     model: &'a Model<'a>,
     values: &'a [f64],
     run: &'a RunInput,
-    /// Sample, and its reading minus the slow part of the prediction, mm.
-    pub(super) readings: Vec<(&'a Sample, f64)>,
+    pub(super) readings: Vec<Reading<'a>>,
     /// Of the program.
-    reversals_s: &'a [f64],
+    senses: &'a Senses,
+    /// Of the path.
+    facets: Facets<'a>,
+    /// Over so long a sample goes, s; 0 of a single reading.
+    window_s: f64,
 }
 
 impl<'a> LegReadings<'a> {
     pub(super) fn of_leg(
         model: &'a Model<'a>,
         values: &'a [f64],
-        (run, reversals_s): (&'a RunInput, &'a [f64]),
+        (run, senses): (&'a RunInput, &'a Senses),
         leg: usize,
         stride: usize,
     ) -> Self {
@@ -85,73 +99,83 @@ impl<'a> LegReadings<'a> {
             .filter(|s| s.leg == leg && matches!(s.part, Part::Arc(_)))
             .map(|sample| {
                 let view = view(model, values, run, sample, Detail::Smooth);
-                (sample, view.residual_mm)
+                let stepped_mm = run.alignment.stepped_mm(leg, sample.program_s);
+                let slow_mm = view.residual_mm + stepped_mm;
+                Reading { sample, slow_mm, turned_mm: (0, Vec::new()) }
             })
             .collect();
-        Self { model, values, run, readings, reversals_s }
+        let alignment = &run.alignment;
+        let window_s = if alignment.averaged > 1 { alignment.sample_period_s } else { 0.0 };
+        let facets = Facets::of_leg(run, leg, window_s);
+        Self { model, values, run, readings, senses, facets, window_s }
+    }
+
+    /// From when to when its readings go, s.
+    fn span_s(&self) -> [f64; 2] {
+        [self.readings.first(), self.readings.last()]
+            .map(|reading| reading.map_or(0.0, |reading| reading.sample.program_s))
     }
 
     /// From the first of its readings to the last, s.
     pub(super) fn lasts_s(&self) -> f64 {
-        let [first, last] = [self.readings.first(), self.readings.last()]
-            .map(|reading| reading.map_or(0.0, |(sample, _)| sample.program_s));
-        last - first
+        let [first_s, last_s] = self.span_s();
+        last_s - first_s
     }
 
-    /// Over so long a sample goes, s; 0 of a single reading.
-    fn window_s(&self) -> f64 {
-        let alignment = &self.run.alignment;
-        if alignment.averaged > 1 { alignment.sample_period_s } else { 0.0 }
+    /// A reversal lies so near that it may be on the other side, s.
+    fn zone_s(&self) -> f64 {
+        TURNING_S + 0.5 * self.window_s
     }
 
-    /// Sums of squares with steps a shift later, and of facets about their mean.
+    /// Looks up what so many shifts within a reach see of the path, of whose facets this is a small part, s.
+    pub(super) fn look_up(&mut self, reach_s: f64, part_s: f64, shifts: usize) {
+        let [first_s, last_s] = self.span_s();
+        let asked_for = shifts * self.readings.len();
+        self.facets.look_up([first_s - reach_s, last_s + reach_s], part_s, asked_for);
+        let (model, values, mounting) = (self.model, self.values, self.run.mounting);
+        let (senses, far_s) = (self.senses, reach_s + self.zone_s());
+        self.readings.par_iter_mut().for_each(|Reading { sample, turned_mm, .. }| {
+            let length_mm = |pose: &Pose| model.length_mm(values, pose, &sample.motion, mounting);
+            let longer_mm = |turns: usize| {
+                let sense = *senses.after(turns);
+                if sense == sample.pose.sense {
+                    return 0.0;
+                }
+                length_mm(&Pose { sense, ..sample.pose }) - length_mm(&sample.pose)
+            };
+            let [first, last] =
+                [-far_s, far_s].map(|aside_s| senses.turns_before(sample.program_s + aside_s, 0));
+            *turned_mm = (first, (first..=last).map(longer_mm).collect());
+        });
+    }
+
+    /// Sums of squares with steps a shift later, of those that were [looked up](Self::look_up), and of facets about their mean.
     pub(super) fn misfit(&self, shift_s: f64, visible: bool) -> Misfit {
-        let alignment = &self.run.alignment;
-        let (coincidence_mm, trajectory) = (alignment.coincidence_mm(), &alignment.trajectory);
-        let length_mm = |pose: &Pose, sample: &Sample| {
-            self.model.length_mm(self.values, pose, &sample.motion, self.run.mounting)
+        let (alignment, senses, window_s) = (&self.run.alignment, self.senses, self.window_s);
+        let zone_s = self.zone_s();
+        // In the order of time the turns before a reading are those before the last one, and maybe the next.
+        let mut before = 0;
+        let of_reading = |Reading { sample, slow_mm, turned_mm: (first, turned_mm) }: &Reading| {
+            let program_s = sample.program_s + shift_s;
+            // With senses and steps of the path as they are at another time.
+            let left_mm = |then_s: f64, turns: usize| {
+                let turned_mm = turned_mm.get(turns.saturating_sub(*first)).copied();
+                slow_mm - alignment.stepped_mm(sample.leg, then_s) - turned_mm.unwrap_or(0.0)
+            };
+            let (from_s, to_s) = (program_s - zone_s, program_s + zone_s);
+            before = senses.turns_before(from_s, before);
+            let near = senses.turn_s(before).filter(|s| *s < to_s);
+            let least_mm = match near {
+                None => left_mm(program_s, before),
+                Some(turn_s) => {
+                    let sides = [(from_s, before), (to_s, senses.turns_before(to_s, before))];
+                    let sides = sides.map(|(then_s, turns)| left_mm(then_s, turns));
+                    turning_mm(sides, program_s - turn_s, window_s)
+                }
+            };
+            [least_mm, self.facets.at_mm(program_s)]
         };
-        let window_s = self.window_s();
-        let zone_s = TURNING_S + 0.5 * window_s;
-        let pairs: Vec<[f64; 2]> = self
-            .readings
-            .iter()
-            .map(|(sample, slow_mm)| {
-                let program_s = sample.program_s + shift_s;
-                let state = trajectory.at_near(program_s, sample.block);
-                let mean_mm = |over_s: f64| alignment.mean_mm(sample.leg, program_s, over_s);
-                // A sample that is the mean of readings has the mean of the facets that went by.
-                let commanded_mm = if window_s > 0.0 {
-                    mean_mm(window_s)
-                } else {
-                    (state.position_mm - coincidence_mm).norm() - alignment.radius_mm
-                };
-                let facet_mm = commanded_mm - mean_mm(SMOOTH_S);
-                // With senses and steps of the path as they are at another time.
-                let left_mm = |then_s: f64, sense: Vector3<f64>| {
-                    let left_mm =
-                        slow_mm - alignment.steps_mm(sample.leg, sample.program_s, then_s);
-                    if sense == sample.pose.sense {
-                        return left_mm;
-                    }
-                    let turned = Pose { sense, ..sample.pose };
-                    left_mm - (length_mm(&turned, sample) - length_mm(&sample.pose, sample))
-                };
-                let before = self.reversals_s.partition_point(|s| *s < program_s - zone_s);
-                let near = self.reversals_s.get(before).filter(|s| **s < program_s + zone_s);
-                let least_mm = match near {
-                    None => left_mm(program_s, state.sense),
-                    Some(&reversal_s) => {
-                        let sides = [-zone_s, zone_s].map(|aside_s| {
-                            let then_s = program_s + aside_s;
-                            left_mm(then_s, trajectory.at_near(then_s, state.block).sense)
-                        });
-                        turning_mm(sides, program_s - reversal_s, window_s)
-                    }
-                };
-                [least_mm, facet_mm]
-            })
-            .collect();
+        let pairs: Vec<[f64; 2]> = self.readings.iter().map(of_reading).collect();
         let mean_mm = pairs.iter().map(|pair| pair[1]).sum::<f64>() / pairs.len().max(1) as f64;
         let (mut left, mut both, mut facets) = (0.0, 0.0, 0.0);
         for [left_mm, facet_mm] in pairs {

@@ -30,6 +30,7 @@ mod fit;
 mod follows;
 mod foresight;
 mod input;
+mod leg_path;
 mod leg_readings;
 mod linearised;
 mod lines;
