@@ -66,9 +66,9 @@ pub fn fit_to(beside: &Beside, elements: Vec<Element>, repeats: &[bool]) -> Opti
         system.push(beside, inside(beside, &elements, &amplitudes, &system.columns), usize::MAX);
         let own = system.columns.len();
         let beginnings = began.beginnings(&elements, &amplitudes, &system);
-        for beginning in &beginnings {
-            system.push_held(beside, beginning.column.clone(), beginning.weight);
-        }
+        let held = beginnings.iter().map(|of| (of.column.clone(), of.weight));
+        let (held, weights): (Vec<Column>, Vec<f64>) = held.unzip();
+        system.push_held(beside, held, &weights);
         let (normal, common) = system.part(system.columns.len());
         let mut common = common.to_vec();
         let pulls = beginnings.iter().map(Beginning::pull);

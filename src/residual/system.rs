@@ -76,12 +76,11 @@ impl System {
         self.push(beside, columns, of.reach());
     }
 
-    /// Adds the column of a number that is held: its square weighs so much beside the sum of squares.
-    pub(super) fn push_held(&mut self, beside: &Beside, column: Column, weight: f64) {
-        self.push(beside, vec![column], usize::MAX);
-        if let Some(prior) = self.anywhere.priors.last_mut() {
-            *prior = weight;
-        }
+    /// Adds the columns of numbers that are held: the square of each weighs so much beside the sum of squares.
+    pub(super) fn push_held(&mut self, beside: &Beside, columns: Vec<Column>, weights: &[f64]) {
+        self.push(beside, columns, usize::MAX);
+        let priors = self.anywhere.priors.iter_mut().rev().zip(weights.iter().rev());
+        priors.for_each(|(prior, weight)| *prior = *weight);
     }
 
     /// Adds columns; those of them that are farther than this from each other have no sample in common.
