@@ -64,6 +64,16 @@ pub(super) fn identify_beside_slips(
             runs[index] = RunInput::new(name, mounting, nominal_mm, alignment);
             runs
         };
+        // What is none, such as a spike where a slide turns, leaves more without it where the readings lie already: no way is sought
+        // anew for that.
+        let worse = |plain: &Identification| {
+            let runs = laid_as(plain, without(slip.step_mm));
+            let there = identify_on(model, runs, plain, options);
+            there.is_ok_and(|there| squares(&there) > squares(plain))
+        };
+        if best.as_ref().is_ok_and(worse) {
+            continue;
+        }
         let Ok(as_seen) = identify(model, without(slip.step_mm), options) else { continue };
         // Taken out as it is seen, a slip already leaves less.
         if best.as_ref().is_ok_and(|plain| squares(&as_seen) > squares(plain)) {
@@ -89,6 +99,15 @@ pub(super) fn identify_beside_slips(
 /// Sum of squares that a fit leaves, mm².
 fn squares(of: &Identification) -> f64 {
     of.rms_mm.powi(2) * of.used as f64
+}
+
+/// Runs with their readings where a fit has laid them.
+fn laid_as(fit: &Identification, mut runs: Vec<RunInput>) -> Vec<RunInput> {
+    for (run, fitted) in runs.iter_mut().zip(&fit.runs) {
+        run.alignment.time_map = fitted.alignment.time_map.clone();
+        run.place();
+    }
+    runs
 }
 
 /// Whether a ball that moved at the moment of a slip explains more than the slip, which the readings of this fit are
@@ -176,11 +195,7 @@ fn sized(
             return Ok(None);
         }
         step_mm += more_mm;
-        let mut runs = without(step_mm);
-        for (run, fitted) in runs.iter_mut().zip(&fitted.runs) {
-            run.alignment.time_map = fitted.alignment.time_map.clone();
-            run.place();
-        }
+        let runs = laid_as(&fitted, without(step_mm));
         let Ok(again) = identify_on(model, runs, &fitted, options) else { return Ok(None) };
         fitted = again;
         if more_mm.abs() < CLOSER * slip.sigma_mm {
