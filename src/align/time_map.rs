@@ -53,8 +53,8 @@ pub struct TimeMap {
     pub rounded: f64,
     /// Standard deviation of that.
     pub rounded_sigma: f64,
-    /// By which share corners are rounded out at which slides turn: that, where it is told. A slide that comes to stand on a chord that
-    /// does not move it turns half a chord sooner, however little of its corner is rounded out.
+    /// By which share corners are rounded out at which slides turn: `rounded` where the fit was told it by its last step, else 0. A slide
+    /// that comes to stand on a chord that does not move it turns half a chord sooner, however little of its corner is rounded out.
     pub turns_rounded: f64,
     /// How much later than the mean of those that move each slide follows, s.
     pub delays_s: Vector3<f64>,

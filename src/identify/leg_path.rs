@@ -11,6 +11,9 @@ use crate::motion::Trajectory;
 /// far from it, s.
 const ASIDE_S: f64 = 1.0;
 
+/// No table of facets has more places, 32 MB: chords of milliseconds along a leg of an hour are worked out one by one.
+const MOST_PLACES: usize = 4_000_000;
+
 /// The senses of a program.
 pub(super) struct Senses {
     /// When slides turn, s, in order.
@@ -73,7 +76,7 @@ impl<'a> Facets<'a> {
     /// times a facet, which is a parabola over many of them, is as good as straight.
     pub(super) fn look_up(&mut self, [from_s, to_s]: [f64; 2], step_s: f64, asked_for: usize) {
         let steps = ((to_s - from_s) / step_s).ceil() as usize;
-        if steps + 1 < asked_for {
+        if steps < asked_for.min(MOST_PLACES) {
             let of_step = |k: usize| self.worked_out_mm(from_s + k as f64 * step_s);
             let values_mm = (0..=steps).into_par_iter().map(of_step).collect();
             self.looked_up = Some(Table { from_s, step_s, values_mm });
