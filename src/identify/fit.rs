@@ -6,7 +6,7 @@ use super::columns::Columns;
 use super::facets::Look;
 use super::input::{Options, RunInput};
 use super::result::Identification;
-use super::state::{State, Taking, apart};
+use super::state::{IMPLAUSIBLE, State, Taking, apart};
 use super::{timing, words};
 use crate::align::Part;
 use crate::error::{Error, Kind, Result};
@@ -111,9 +111,7 @@ fn followed_s(following_s: f64, step_s: f64, over_s: f64) -> f64 {
     }
 }
 
-/// What comes out beyond so many of its deviations is more than plausible: 1 in 370 of honest machines.
-pub const IMPLAUSIBLE: f64 = 3.0;
-/// And is then given so many times the room: the readings have shown that they know better.
+/// What is more than plausible is given so many times the room: the readings have shown that they know better.
 const WIDER: f64 = 10.0;
 
 /// Whether any reading of these runs stands for several while a fit is sought.

@@ -4,6 +4,9 @@ use super::input::RunInput;
 use super::record::Apart;
 use crate::align::{Part, Sample, Section};
 
+/// What comes out beyond so many of its deviations is more than plausible: 1 in 370 of honest machines.
+pub const IMPLAUSIBLE: f64 = 3.0;
+
 /// Where a fit stands.
 #[derive(Debug, Clone)]
 pub(super) struct State {
