@@ -46,11 +46,14 @@ pub fn identify(model: &Model, runs: Vec<RunInput>, options: &Options) -> Result
             with(runs, Taking::Each)
         }
     };
-    // What the model does not have may be taken for a feed far from the truth, and a fit that runs after it never settles.
-    found(&runs).or_else(|error| {
-        let at_told_feed: Vec<RunInput> = runs.into_iter().map(RunInput::at_told_feed).collect();
-        found(&at_told_feed).map_err(|_| error)
-    })
+    // What the model does not have may be taken for a feed far from the truth, and a fit that runs after it never settles, or
+    // rests where engagement and release do not allow.
+    let free = found(&runs);
+    if free.as_ref().is_ok_and(|fit| !fit.runs_after_feed()) {
+        return free;
+    }
+    let at_told_feed: Vec<RunInput> = runs.into_iter().map(RunInput::at_told_feed).collect();
+    found(&at_told_feed).or(free)
 }
 
 /// What a model leaves of runs, mm rms of a reading: sought with as few readings as tell it, and nothing else said.

@@ -3,6 +3,7 @@
 use super::asked::Known;
 use super::input::RunInput;
 use super::record::Record;
+use super::state::IMPLAUSIBLE;
 use crate::align::{Alignment, TimeMap};
 use crate::model::Parameter;
 use crate::solve::{Matrix, NoiseModel, NullDirection};
@@ -58,6 +59,12 @@ impl IdentifiedRun {
         let mut alignment = self.alignment.clone();
         alignment.time_map = self.aligned.clone();
         self.taking(alignment)
+    }
+
+    /// By how much the feed that readings tell differs from what engagement and release allow, in standard deviations of that.
+    fn feed_off(&self) -> f64 {
+        let (map, aligned) = (&self.alignment.time_map, &self.aligned);
+        (map.pace - aligned.pace).abs() / aligned.pace_plausible
     }
 
     /// Whether its feed was taken from engagement and release alone, although readings might tell more of it.
@@ -140,6 +147,13 @@ impl Identification {
     /// The same runs, to be identified otherwise from where the first fit began.
     pub(super) fn afresh(&self) -> Vec<RunInput> {
         self.runs.iter().map(IdentifiedRun::afresh).collect()
+    }
+
+    /// Whether a feed was found that is farther from that of engagement and release than is plausible, while more is left than
+    /// chance leaves: what the model does not have was taken for it.
+    pub(super) fn runs_after_feed(&self) -> bool {
+        let feed_off = || self.runs.iter().any(|run| run.feed_off() > IMPLAUSIBLE);
+        self.beyond_chance.is_some() && feed_off()
     }
 
     /// What is known of the parameters, with the values as they were estimated.
