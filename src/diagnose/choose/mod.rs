@@ -2,6 +2,7 @@
 
 pub(super) mod extend;
 pub(super) mod found;
+mod pair;
 mod rivals;
 pub(super) mod run;
 pub(super) mod search;

@@ -58,7 +58,12 @@ impl<'a> Search<'a> {
 
     /// All that effects may hang on, beside what has been chosen.
     pub(crate) fn prospect(&self, chosen: Option<&Fitted>) -> Prospect<'_> {
-        self.screen.beside(self.beside(chosen))
+        self.screened(self.beside(chosen))
+    }
+
+    /// The same beside whatever has been accepted.
+    pub(super) fn screened<'b>(&'b self, beside: Beside<'b>) -> Prospect<'b> {
+        self.screen.beside(beside)
     }
 
     /// Fits effects together beside the model alone.
@@ -148,6 +153,10 @@ impl<'a> Search<'a> {
         let pair = pair.filter(is_no_chance);
         let best_mm2 = best.as_ref().map_or(0.0, |best| best.score_mm2);
         let pair = pair.filter(|pair| pair.score_mm2 > best_mm2);
+        let pair = match (&best, pair) {
+            (None, None) if room > 1 => self.two_at_once(chosen, &prospect),
+            (_, pair) => pair,
+        };
         let curve = with_curves.then(|| match &pair {
             // What two moves explain is no noise: beside that a curve may show what they only come near.
             Some(pair) => {
@@ -249,7 +258,7 @@ fn there_and_back(prospect: &Prospect, least_mm2: f64) -> Option<Tried> {
 }
 
 /// Whether enough of an effect is seen, for as far as it would move readings.
-fn shows(fitted: &Fitted, beside: &Beside) -> bool {
+pub(super) fn shows(fitted: &Fitted, beside: &Beside) -> bool {
     let moves = fitted.sum(beside.residuals);
     let farthest_mm = moves.iter().flatten().fold(0.0_f64, |most, mm| most.max(mm.abs()));
     let share = fitted.share_outside;
