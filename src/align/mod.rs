@@ -28,6 +28,7 @@ mod mean_path;
 mod means;
 mod misread;
 mod off_centre;
+mod pace;
 mod path_steps;
 mod ramp;
 mod rounding;

@@ -84,7 +84,7 @@ const LONGEST_EXCESS_S: f64 = 0.1;
 /// So far a control's feed plausibly is from its program's where nothing else says so: ramps that it drives otherwise.
 const PACE: f64 = 1e-3;
 /// Where the pace is known.
-const NO_PACE: f64 = 1e-9;
+pub(super) const NO_PACE: f64 = 1e-9;
 
 /// How long an operator's pause is where the log does not tell, s.
 const UNKNOWN_S: f64 = 60.0;
@@ -133,14 +133,6 @@ impl TimeMap {
             breaks,
             pivot_s,
         }
-    }
-
-    /// By how much the real feed differs from the programmed one times the stated override, as a share of 1, and the
-    /// standard deviation; `None` where the log's durations are the program's.
-    pub fn feed_excess(&self) -> Option<[f64; 2]> {
-        let excess = (1.0 + self.override_excess) * (1.0 + self.pace) - 1.0;
-        let estimated = self.override_sigma > 0.0;
-        estimated.then(|| [excess, self.override_sigma.hypot(self.pace_sigma)])
     }
 
     /// By how much longer than the one that they share the time constant of each slide is, s.
@@ -299,11 +291,6 @@ impl TimeMap {
             }
         }
         Ok(())
-    }
-
-    /// Takes the feed for known from the marks.
-    pub(crate) fn hold_pace(&mut self) {
-        self.pace_plausible = NO_PACE;
     }
 
     /// The same map with the rate 0, every leg set by the first mark of those that it hangs together with.
