@@ -37,6 +37,8 @@ pub struct TimeMap {
     pub pace_sigma: f64,
     /// How far the pace plausibly is from the feed that engagement and release tell.
     pub pace_plausible: f64,
+    /// Where the pace is held, instead of being looked for.
+    pub pace_held: Option<f64>,
     /// Covariance of each offset with the pace, s.
     pub offset_pace_covariances_s: Vec<f64>,
     /// Covariance of rate and pace.
@@ -114,6 +116,7 @@ impl TimeMap {
             pace: 0.0,
             pace_sigma: 0.0,
             pace_plausible: if trajectory.recorded_pauses_s().is_some() { NO_PACE } else { PACE },
+            pace_held: None,
             offset_pace_covariances_s: vec![0.0; legs],
             rate_pace_covariance: 0.0,
             following_s: 0.0,

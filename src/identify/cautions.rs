@@ -40,7 +40,7 @@ pub(super) fn cautions(
     cautions.extend(runs.iter().flat_map(cut_off));
     cautions.extend(runs.iter().filter_map(other_runs));
     if runs.iter().any(IdentifiedRun::holds_pace) {
-        cautions.push("where the fit also looks for the feed it does not settle, or takes one that engagement and release of the bar do not allow, and it was held to the feed that these tell: the machine did something in a run that no chosen term describes, or a log may be of another program".to_owned());
+        cautions.push("where the fit also looks for the feed it does not settle, or takes one that engagement and release of the bar do not allow, and it was held to one that they do: the machine did something in a run that no chosen term describes, or a log may be of another program".to_owned());
     }
     let far_off = far_off(runs);
     if far_off > 0 && options.loss == Loss::Off {

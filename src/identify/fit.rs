@@ -49,11 +49,10 @@ pub fn identify(model: &Model, runs: Vec<RunInput>, options: &Options) -> Result
     // What the model does not have may be taken for a feed far from the truth, and a fit that runs after it never settles, or
     // rests where engagement and release do not allow.
     let free = found(&runs);
-    if free.as_ref().is_ok_and(|fit| !fit.runs_after_feed()) {
-        return free;
-    }
-    let at_told_feed: Vec<RunInput> = runs.into_iter().map(RunInput::at_told_feed).collect();
-    found(&at_told_feed).or(free)
+    let held = free.as_ref().map_or(Some(0.0), Identification::feeds_held);
+    let Some(off) = held else { return free };
+    let at_feed: Vec<RunInput> = runs.into_iter().map(|run| run.at_feed(off)).collect();
+    found(&at_feed).or(free)
 }
 
 /// What a model leaves of runs, mm rms of a reading: sought with as few readings as tell it, and nothing else said.

@@ -82,9 +82,9 @@ impl RunInput {
         self
     }
 
-    /// The same with the feed that engagement and release tell.
-    pub(super) fn at_told_feed(mut self) -> Self {
-        self.alignment.time_map.hold_pace();
+    /// The same with its feed held so many plausible deviations from that of engagement and release.
+    pub(super) fn at_feed(mut self, off: f64) -> Self {
+        self.alignment.time_map.hold_pace(off);
         self
     }
 

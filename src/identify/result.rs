@@ -6,7 +6,7 @@ use super::record::Record;
 use super::state::IMPLAUSIBLE;
 use crate::align::{Alignment, TimeMap};
 use crate::model::Parameter;
-use crate::solve::{Matrix, NoiseModel, NullDirection};
+use crate::solve::{Matrix, NoiseModel, NullDirection, median};
 
 /// One estimated parameter.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,15 +61,9 @@ impl IdentifiedRun {
         self.taking(alignment)
     }
 
-    /// By how much the feed that readings tell differs from what engagement and release allow, in standard deviations of that.
-    fn feed_off(&self) -> f64 {
-        let (map, aligned) = (&self.alignment.time_map, &self.aligned);
-        (map.pace - aligned.pace).abs() / aligned.pace_plausible
-    }
-
-    /// Whether its feed was taken from engagement and release alone, although readings might tell more of it.
+    /// Whether its feed was held, although readings might tell more of it.
     pub(super) fn holds_pace(&self) -> bool {
-        self.alignment.time_map.pace_plausible < self.aligned.pace_plausible
+        self.alignment.time_map.pace_held.is_some()
     }
 
     fn taking(&self, alignment: Alignment) -> RunInput {
@@ -149,11 +143,16 @@ impl Identification {
         self.runs.iter().map(IdentifiedRun::afresh).collect()
     }
 
-    /// Whether a feed was found that is farther from that of engagement and release than is plausible, while more is left than
-    /// chance leaves: what the model does not have was taken for it.
-    pub(super) fn runs_after_feed(&self) -> bool {
-        let feed_off = || self.runs.iter().any(|run| run.feed_off() > IMPLAUSIBLE);
-        self.beyond_chance.is_some() && feed_off()
+    /// Where to hold the feeds, in plausible deviations from those of engagement and release, where one was found that is farther off
+    /// than is plausible while more is left than chance leaves: what the model does not have was taken for it.
+    ///
+    /// What a control takes longer at standstills than planned is told for a feed in all runs alike: the others say where.
+    pub(super) fn feeds_held(&self) -> Option<f64> {
+        let off = self.runs.iter().map(|run| run.alignment.time_map.pace_off());
+        let (plausible, astray): (Vec<f64>, Vec<f64>) =
+            off.partition(|off| off.abs() < IMPLAUSIBLE);
+        let runs_after_feed = self.beyond_chance.is_some() && !astray.is_empty();
+        runs_after_feed.then(|| median(plausible).unwrap_or(0.0))
     }
 
     /// What is known of the parameters, with the values as they were estimated.

@@ -278,7 +278,8 @@ impl Fit<'_> {
         push(row, -map.rate, self.options.clock_tolerance);
         row.fill(0.0);
         row[pace] = 1.0;
-        push(row, -map.pace, map.pace_plausible);
+        let [told, sigma] = map.pace_told();
+        push(row, told - map.pace, sigma);
     }
 
     /// What is plausible of how the control drives in a run: column, value, and its standard deviation.

@@ -83,19 +83,24 @@ fn the_feed_is_told_as_the_extended_model_has_it() {
 }
 
 /// A screw that bends five times and a ball out of round: what one plane sees of them a feed of 2 % more than engagement and release
-/// allow explained best, and the positioning of Z came out an S of 0.2 mm.
+/// allow explained best, and the positioning of Z came out an S of 0.2 mm. A friction over 11 mm did the same where standstills last
+/// longer than is told: there the feed is what the other planes say.
 #[test]
 fn what_the_model_does_not_have_is_no_other_feed() {
-    let work = Work::new();
-    work.ballbar(&["blind", "--grid", "--seed", "86", "--trial", "two:15", "--write"]).done();
-    let told = work.ballbar(&["identify", "results/test.toml", "--json"]).done().stdout();
-    let told: serde_json::Value = serde_json::from_str(&told).unwrap();
-    let repeats = told["repeats"].as_array().unwrap();
-    let runs: Vec<&serde_json::Value> =
-        repeats.iter().flat_map(|repeat| repeat["runs"].as_array().unwrap()).collect();
-    assert_eq!(runs.len(), 6);
-    for run in runs {
-        let excess_percent = run["feed_override"]["excess_percent"].as_f64().unwrap();
-        assert!((excess_percent + 4.103).abs() < 0.5, "{run}");
+    for (seed, trial, truth_percent) in [("86", "two:15", -4.103), ("93", "two:22", -1.558)] {
+        let work = Work::new();
+        work.ballbar(&["blind", "--grid", "--seed", seed, "--trial", trial, "--write"]).done();
+        let told = work.ballbar(&["identify", "results/test.toml", "--json"]).done().stdout();
+        let told: serde_json::Value = serde_json::from_str(&told).unwrap();
+        let repeats = told["repeats"].as_array().unwrap();
+        let runs: Vec<&serde_json::Value> =
+            repeats.iter().flat_map(|repeat| repeat["runs"].as_array().unwrap()).collect();
+        assert_eq!(runs.len() % 3, 0);
+        for run in runs {
+            let number = |name: &str| run["feed_override"][name].as_f64().unwrap();
+            let off_percent = (number("excess_percent") - truth_percent).abs();
+            assert!(off_percent < 0.5, "{run}");
+            assert!(off_percent < 3.0 * number("excess_sigma_percent"), "{run}");
+        }
     }
 }
