@@ -89,7 +89,7 @@ impl Answer {
 }
 
 /// Where more than this times the noise is left open, it is said.
-const OPEN: f64 = 3.0;
+pub const OPEN: f64 = 3.0;
 
 /// What is known of the parameters of a model.
 #[derive(Debug, Clone, Copy)]

@@ -1,6 +1,9 @@
 //! What noise does to numbers is what they say it may do, also where the fit follows it.
 
+use std::fs;
+
 use crate::lag::{three_planes, told_of};
+use crate::work::{Work, project};
 
 /// Arcs of 15 s, and noise that hangs together for a second: the fit takes out of it more than half, and moves by that. Reversals and
 /// lateral plays, which nothing but noise moves, err by what is stated.
@@ -33,4 +36,40 @@ fn noise_that_lasts_is_stated_though_little_of_it_is_left() {
     // Some five numbers of a campaign are independent: 60 tell an rms to 9 %.
     let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
     assert!((0.75..1.25).contains(&rms), "{rms}");
+}
+
+/// Two days of two machines: no mean of both is known better than they differ, and the reader is told what does.
+#[test]
+fn repeats_that_differ_are_told_and_stated() {
+    let work = Work::new();
+    let test = "[plan]\nstrategy = \"xy\"\nfeed_mm_min = 1000.0\n";
+    let mut rest = vec![test.to_owned()];
+    work.write("machine.toml", fs::read(project().join("machines/hu40t.toml")).unwrap());
+    for day in ["1", "2"] {
+        work.test(test).ballbar(&["simulate", "test.toml", "--seed", day]).done();
+        let log = format!("day{day}.csv");
+        for (from, to) in [("O1001.nc", "O1001.nc"), ("run1.csv", &log)] {
+            work.write(to, fs::read(work.path(&format!("results/{from}"))).unwrap());
+        }
+        rest.push(format!("[[run]]\nprogram = \"O1001.nc\"\nlog = \"{log}\"\n"));
+        fs::remove_dir_all(work.path("results")).unwrap();
+    }
+    work.test(&rest.join("\n"));
+    let text = work.ballbar(&["analyse", "test.toml"]).done().stdout();
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let told: serde_json::Value =
+        serde_json::from_slice(&fs::read(work.path("results/analysis.json")).unwrap()).unwrap();
+    let mut differing = Vec::new();
+    for of in told["at_the_place"].as_array().unwrap() {
+        let number = |name: &str| of[name].as_f64().unwrap();
+        let (scatter, noise) = (number("deviation") / 2_f64.sqrt(), number("noise"));
+        assert!(noise > 0.999_999 * scatter && number("all") >= noise, "{of}");
+        if of["quantity"].as_str().unwrap().starts_with("reversal") && scatter > 1.0 {
+            differing.push(of["quantity"].as_str().unwrap());
+        }
+    }
+    assert!(differing.contains(&"reversal X"), "{told}");
+    let caution = text.split("Between the repeats").nth(1).unwrap_or_else(|| panic!("{text}"));
+    let changed = caution.split("changed by more than").next().unwrap();
+    assert!(differing.iter().all(|of| changed.contains(of)), "{changed}: {differing:?}");
 }

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::identify::{self, Answer, Asked, Campaign, IMPLAUSIBLE, Identification, Suspect};
+use crate::identify::{self, Answer, Asked, Campaign, IMPLAUSIBLE, Identification, OPEN, Suspect};
 use crate::machine::{Axis, Machine};
 use crate::model::{Local, LocalShape, ParameterId};
 use crate::plan::{Record, Test, Warmth};
@@ -19,9 +19,9 @@ pub struct PlaceResult {
     pub unit: &'static str,
     /// Mean over the repeats.
     pub value: f64,
-    /// Standard deviation of the mean by the noise.
+    /// Standard deviation of the mean by the noise, and at least by the scatter of the repeats.
     pub noise: Option<f64>,
-    /// Standard deviation of the mean by the noise and by what the test cannot tell from other plausible faults; `None`
+    /// Standard deviation of the mean by that and by what the test cannot tell from other plausible faults; `None`
     /// where nothing was taken for plausible.
     pub all: Option<f64>,
     /// Standard deviation of what was plausible for it before anything was measured; `None` as above, and at 20 degrees.
@@ -29,6 +29,9 @@ pub struct PlaceResult {
     pub plausible: Option<f64>,
     /// Standard deviation between the repeats; `None` for one.
     pub deviation: Option<f64>,
+    /// That over what the noise of one repeat makes; `None` as above.
+    #[serde(skip)]
+    pub over_noise: Option<f64>,
     /// Where `all` is more than three times `noise`: the plausible faults that look the same in this test, the gravest
     /// first.
     pub looks_like: Vec<String>,
@@ -112,6 +115,7 @@ fn at_20_c(record: &Record, of: &PlaceResult) -> Option<PlaceResult> {
         value: of.value + bar - machine,
         all: of.all.or(of.noise).map(|all| all.hypot(sigma)),
         plausible: None,
+        over_noise: None,
         looks_like: Vec::new(),
         ..of.clone()
     })
@@ -127,11 +131,15 @@ fn over_repeats(each: &[Vec<Answer>], k: usize) -> PlaceResult {
     let numbers = answers().map(|a| a.in_common.len()).max().unwrap_or(0);
     let mean_of = |k: usize| answers().filter_map(|a| a.in_common.get(k)).sum::<f64>() / count;
     let in_common: Vec<f64> = (0..numbers).map(mean_of).collect();
-    let noise = (own.max(0.0).sqrt() / count).hypot(square(&in_common).sqrt());
+    let own = (own.max(0.0) / count).sqrt();
+    let squares: f64 = answers().map(|a| (a.value - mean).powi(2)).sum();
+    let deviation = (each.len() > 1).then(|| (squares / (count - 1.0)).sqrt());
+    // Repeats do not scatter by less than they do.
+    let own_of_mean = own.max(deviation.unwrap_or(0.0)) / count.sqrt();
+    let noise = own_of_mean.hypot(square(&in_common).sqrt());
     let open = |a: &Answer| Some(a.all?.powi(2) - a.noise.powi(2));
     let open: Option<f64> = answers().map(open).sum();
     let all = open.map(|open| noise.hypot((open.max(0.0) / count).sqrt()));
-    let squares: f64 = answers().map(|a| (a.value - mean).powi(2)).sum();
     let asked = answers().next().map_or(Asked::Scale(Axis::X), |a| a.asked);
     let (unit, factor) = asked.unit();
     PlaceResult {
@@ -141,10 +149,13 @@ fn over_repeats(each: &[Vec<Answer>], k: usize) -> PlaceResult {
         noise: finite(noise * factor),
         all: all.and_then(|all| finite(all * factor)),
         plausible: answers().next().and_then(|a| finite(a.plausible? * factor)),
-        deviation: (each.len() > 1)
-            .then(|| (squares / (count - 1.0)).sqrt() * factor)
-            .and_then(finite),
-        looks_like: answers().next().map_or_else(Vec::new, looks_like),
+        deviation: deviation.and_then(|deviation| finite(deviation * factor)),
+        over_noise: deviation.and_then(|deviation| finite(deviation / own)),
+        // What scatters more than that is not told by what looks the same.
+        looks_like: answers()
+            .next()
+            .filter(|_| all.is_some_and(|all| all > OPEN * noise))
+            .map_or_else(Vec::new, looks_like),
     }
 }
 

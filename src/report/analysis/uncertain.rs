@@ -113,6 +113,7 @@ mod tests {
             all: Some(all),
             plausible: None,
             deviation: None,
+            over_noise: None,
             looks_like: looks_like.iter().map(|of| (*of).to_owned()).collect(),
         }
     }

@@ -199,6 +199,7 @@ mod tests {
             all,
             plausible: None,
             deviation: None,
+            over_noise: None,
             looks_like: Vec::new(),
         };
         let tolerance =
