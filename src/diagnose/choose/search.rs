@@ -126,7 +126,7 @@ impl<'a> Search<'a> {
             // Another delay that all slides have in common is a better estimate of the first one.
             candidates.retain(|candidate| !candidate.element.is_common_delay());
         }
-        let mut best = closely(beside, candidates, least);
+        let mut best = closely(beside, candidates.clone(), least);
         if let Some(first) = best.first_mut()
             && let Some(lower) = vibration::lowest(beside, &first.fitted)
         {
@@ -154,7 +154,9 @@ impl<'a> Search<'a> {
         let best_mm2 = best.as_ref().map_or(0.0, |best| best.score_mm2);
         let pair = pair.filter(|pair| pair.score_mm2 > best_mm2);
         let pair = match (&best, pair) {
-            (None, None) if room > 1 => self.two_at_once(chosen, &prospect),
+            (None, None) if room > 1 => {
+                self.two_at_once(chosen, &prospect, first.clone(), candidates)
+            }
             (_, pair) => pair,
         };
         let curve = with_curves.then(|| match &pair {
@@ -184,7 +186,12 @@ impl<'a> Search<'a> {
     /// What else explains something in some prospect, however little; what takes long to look for only where it
     /// may explain `least_mm2`.
     pub(crate) fn all_in(&self, prospect: &Prospect, least_mm2: f64) -> Vec<Tried> {
-        closely(&prospect.beside, prospect.candidates(&self.tuning, least_mm2), 0.0)
+        closely(&prospect.beside, self.candidates(prospect, least_mm2), 0.0)
+    }
+
+    /// What may explain something in some prospect; what takes long to look for only where it may explain `least_mm2`.
+    pub(super) fn candidates(&self, prospect: &Prospect, least_mm2: f64) -> Vec<Candidate> {
+        prospect.candidates(&self.tuning, least_mm2)
     }
 
     /// Root of the sum of squares of the largest curve, mm; 0 where there is none.
@@ -217,7 +224,11 @@ fn falls_short(beside: &Beside, cause: &Tried, curve: &Tried) -> bool {
 
 /// The most promising candidates fitted to the samples themselves, the best first; nothing where none
 /// comes near what counts.
-fn closely(beside: &Beside, mut candidates: Vec<Candidate>, least_mm2: f64) -> Vec<Tried> {
+pub(super) fn closely(
+    beside: &Beside,
+    mut candidates: Vec<Candidate>,
+    least_mm2: f64,
+) -> Vec<Tried> {
     candidates.sort_by(|a, b| told(b.gain_mm2).total_cmp(&told(a.gain_mm2)));
     let best = candidates.first().map_or(0.0, |c| c.gain_mm2);
     if best < NEAR_WHAT_COUNTS * least_mm2 {
