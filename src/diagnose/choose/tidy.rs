@@ -3,7 +3,8 @@
 use super::search::Search;
 use crate::diagnose::seek::curves;
 use crate::diagnose::thresholds::{
-    FIGHTING, INSTEAD_OF_A_CURVE, LINEAR_MM, OF_A_CURVE, SHADOW, stands_beside_mm2,
+    FIGHTING, INSTEAD_OF_A_CURVE, LINEAR_MM, OF_A_CURVE, SHADOW, UNDECIDED_SIGMAS,
+    stands_beside_mm2,
 };
 use crate::machine::Axis;
 use crate::model::{Form, Law, Variable};
@@ -103,7 +104,7 @@ impl Search<'_> {
     }
 
     /// Whether causes that can be bent to any curve over what the curve runs over explain less than it does, by more than
-    /// chance and the choice of its knots would: then they are the best of what it is not.
+    /// chance and the choice of its knots would, worth naming or not: then they are the best of what it is not.
     fn bends_less(&self, causes: &Fitted, with_curve: &Fitted, index: usize) -> bool {
         let over = described_over(&with_curve.elements[index]);
         if over.is_none() || !causes.elements.iter().any(|e| smooth_over(e) == over) {
@@ -111,7 +112,7 @@ impl Search<'_> {
         }
         let beside = self.beside(Some(with_curve));
         let by_choice = curves::by_choice(with_curve.amplitudes[index].len());
-        let counts_mm2 = stands_beside_mm2(&beside) + by_choice * beside.noise().long_run_mm2;
+        let counts_mm2 = (UNDECIDED_SIGMAS.powi(2) + by_choice) * beside.noise().long_run_mm2;
         score_mm2(&beside, causes) + counts_mm2 < score_mm2(&beside, with_curve)
     }
 
