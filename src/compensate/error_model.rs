@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::diagnose::{Diagnosis, Finding, Owner};
 use crate::error::Result;
-use crate::identify::{self, Campaign, Identification};
+use crate::identify::{self, CHANGED, Campaign, Identification};
 use crate::machine::{Machine, Mounting};
 use crate::model::{Form, HeldEffect, LOCAL, LocalFrame, Model, Parameter, Seat, Variable};
 use crate::plan::Test;
@@ -152,6 +152,9 @@ fn held<'a>(campaign: &'a Campaign, findings: &'a [Finding]) -> impl Iterator<It
     })
 }
 
+/// Of a parameter that readings determine by less than this nothing is seen that could change.
+const SEEN: f64 = 0.5;
+
 /// Means over the repeats. Noise is another one every time; what a test leaves open is the same, and so is what is not
 /// known of effects.
 struct Means<'a> {
@@ -179,10 +182,34 @@ impl Means<'_> {
         let each: Vec<Matrix> =
             self.repeats.iter().filter_map(|of| squared(of.effects.as_ref())).collect();
         let of_common = common.times_own_transpose();
-        Matrix::from_fn(self.count, self.count, |i, k| {
+        let own = Matrix::from_fn(self.count, self.count, |i, k| {
             let all = self.mean(|of| of.covariance[(i, k)]);
             let shared = each.iter().map(|of| of[(i, k)]).sum::<f64>() / repeats;
-            (all - shared) / repeats + of_common[(i, k)]
+            all - shared
+        });
+        let between = self.between();
+        let scatter = between.as_ref().filter(|between| self.changed(&own, between));
+        Matrix::from_fn(self.count, self.count, |i, k| {
+            let scatter = scatter.map_or(0.0, |between| between[(i, k)]);
+            (own[(i, k)] + scatter) / repeats + of_common[(i, k)]
+        })
+    }
+
+    /// Covariance of the values between the repeats; `None` of one.
+    fn between(&self) -> Option<Matrix> {
+        let means = self.values();
+        let freedom = self.repeats.len() as f64 - 1.0;
+        let from_mean = Matrix::from_fn(self.count, self.repeats.len(), |k, repeat| {
+            (self.repeats[repeat].estimates[k].value - means[k]) / freedom.sqrt()
+        });
+        (freedom > 0.0).then(|| from_mean.times_own_transpose())
+    }
+
+    /// Whether the repeats differ by more than their own noise makes.
+    fn changed(&self, own: &Matrix, between: &Matrix) -> bool {
+        (0..self.count).any(|k| {
+            let seen = self.repeats.iter().all(|of| of.estimates[k].observed > SEEN);
+            seen && between[(k, k)] > CHANGED.powi(2) * own[(k, k)]
         })
     }
 

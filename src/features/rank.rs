@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::feature::Feature;
 use super::order::Deed;
 use super::readings::Readings;
-use super::scene::{Draft, Scene};
+use super::scene::{Draft, Repeat, Scene};
 use super::volume::Volume;
 use super::{angles, backlash, found, geometry, order, servo};
 use crate::circular::CircularTest;
@@ -48,21 +48,24 @@ pub fn of<'a>(
     repeat: usize,
     tests: &'a [CircularTest],
 ) -> Result<Vec<Ranking<'a>>> {
-    let (Some(identification), Some(frame)) = (campaign.repeats.get(repeat), &campaign.frame)
-    else {
+    let each = campaign.repeats.iter().enumerate().map(|(k, identification)| {
+        let (model, values) = (campaign.model(test, machine, k)?, identification.values());
+        Ok(Repeat { model, identification, values })
+    });
+    let repeats = each.collect::<Result<Vec<_>>>()?;
+    let (Some(this), Some(frame)) = (repeats.get(repeat), &campaign.frame) else {
         return Ok(Vec::new());
     };
-    let model = campaign.model(test, machine, repeat)?;
-    let values = identification.values();
     let held = campaign.held.get(repeat).map_or(&[][..], Vec::as_slice);
     let in_planes =
         tests.par_iter().filter_map(|test| test.circle.plane().map(|(plane, _)| (test, plane)));
     let of_test = |(test, plane): (&'a CircularTest, Plane)| {
         let scene = Scene {
-            model: &model,
+            model: &this.model,
             frame,
-            identification,
-            values: &values,
+            identification: this.identification,
+            values: &this.values,
+            repeats: &repeats,
             held,
             findings,
             repeat,

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::diagnose::{Finding, Owner};
-use crate::identify::{Answer, Asked, Identification, ask};
+use crate::identify::{Answer, Asked, Identification, ask, deviation};
 use crate::machine::{Axis, Pose};
 use crate::model::{HeldEffect, LocalFrame, Model, Situation};
 use crate::solve::dot;
@@ -17,12 +17,27 @@ pub(super) struct Draft<'a> {
     pub(super) column: Column<'a>,
 }
 
+/// A repeat as it was identified.
+pub(super) struct Repeat<'a> {
+    pub(super) model: Model<'a>,
+    pub(super) identification: &'a Identification,
+    pub(super) values: Vec<f64>,
+}
+
+impl Repeat<'_> {
+    fn ask(&self, frame: &LocalFrame, asked: &[Asked]) -> Vec<Answer> {
+        ask(&self.model, frame, &self.identification.known(&self.values), asked)
+    }
+}
+
 /// A circular test in its plane.
 pub(super) struct Scene<'a> {
     pub(super) model: &'a Model<'a>,
     pub(super) frame: &'a LocalFrame,
     pub(super) identification: &'a Identification,
     pub(super) values: &'a [f64],
+    /// The same of every repeat.
+    pub(super) repeats: &'a [Repeat<'a>],
     pub(super) held: &'a [HeldEffect],
     pub(super) findings: &'a [Finding],
     /// Index of the repeat.
@@ -38,11 +53,15 @@ pub(super) struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    /// Answers, in the order in which they are asked.
+    /// Answers, in the order in which they are asked, none known better than repeats scatter.
     pub(super) fn ask<const N: usize>(&self, asked: [Asked; N]) -> [Option<Answer>; N] {
-        let known = self.identification.known(self.values);
-        let mut answers = ask(self.model, self.frame, &known, &asked).into_iter();
-        asked.map(|_| answers.next())
+        let each: Vec<Vec<Answer>> =
+            self.repeats.iter().map(|repeat| repeat.ask(self.frame, &asked)).collect();
+        std::array::from_fn(|k| {
+            let values: Vec<f64> = each.iter().map(|answers| answers[k].value).collect();
+            let answer = each.get(self.repeat)?.get(k)?.clone();
+            Some(answer.scattering(deviation(&values).unwrap_or(0.0)))
+        })
     }
 
     /// How far a slide is from the middle of the test, mm.

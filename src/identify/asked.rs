@@ -82,6 +82,14 @@ pub enum Suspect {
 const SHARE: f64 = 0.1;
 
 impl Answer {
+    /// The same, of which repeats scatter by so much: no one of them is known better.
+    #[must_use]
+    pub fn scattering(self, deviation: f64) -> Self {
+        let noise = self.noise.max(deviation);
+        let with = |all: f64| noise.hypot((all * all - self.noise * self.noise).max(0.0).sqrt());
+        Self { all: self.all.map(with), noise, ..self }
+    }
+
     /// Whether these runs leave so much more open than noise does that people should know.
     pub fn is_open(&self) -> bool {
         self.all.is_some_and(|all| all > OPEN * self.noise)

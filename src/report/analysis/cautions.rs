@@ -5,14 +5,12 @@ use std::collections::BTreeSet;
 use super::facts::{Analysis, RepeatResult};
 use super::place::{self, PlaceResult};
 use super::run_facts::RunResult;
+use crate::identify::CHANGED;
 use crate::report::text::numbers::{fixed, many};
 use crate::report::text::words::list;
 
 /// A deviation is remarkable above this many times the stated sigma.
 const REMARKABLE: f64 = 3.0;
-/// And of one of what is asked at the place, above this many times its noise: of the fifty numbers of two repeats one is by chance in 1
-/// of 35 000 campaigns.
-const CHANGED: f64 = 5.0;
 /// Residuals are remarkable above this many times the stated noise.
 const NOISY: f64 = 1.5;
 /// A parameter of which less than this is determined hangs on others.

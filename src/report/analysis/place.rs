@@ -124,7 +124,8 @@ fn at_20_c(record: &Record, of: &PlaceResult) -> Option<PlaceResult> {
 fn over_repeats(each: &[Vec<Answer>], k: usize) -> PlaceResult {
     let answers = || each.iter().filter_map(|answers| answers.get(k));
     let count = each.len() as f64;
-    let mean = answers().map(|a| a.value).sum::<f64>() / count;
+    let values: Vec<f64> = answers().map(|a| a.value).collect();
+    let mean = values.iter().sum::<f64>() / count;
     // Noise is another one every time; what a test leaves open is the same, and what is not known of effects.
     let square = |of: &[f64]| of.iter().map(|c| c * c).sum::<f64>();
     let own = answers().map(|a| a.noise.powi(2) - square(&a.in_common)).sum::<f64>();
@@ -132,8 +133,7 @@ fn over_repeats(each: &[Vec<Answer>], k: usize) -> PlaceResult {
     let mean_of = |k: usize| answers().filter_map(|a| a.in_common.get(k)).sum::<f64>() / count;
     let in_common: Vec<f64> = (0..numbers).map(mean_of).collect();
     let own = (own.max(0.0) / count).sqrt();
-    let squares: f64 = answers().map(|a| (a.value - mean).powi(2)).sum();
-    let deviation = (each.len() > 1).then(|| (squares / (count - 1.0)).sqrt());
+    let deviation = identify::deviation(&values);
     // Repeats do not scatter by less than they do.
     let own_of_mean = own.max(deviation.unwrap_or(0.0)) / count.sqrt();
     let noise = own_of_mean.hypot(square(&in_common).sqrt());
