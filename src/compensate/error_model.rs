@@ -195,14 +195,15 @@ impl Means<'_> {
         })
     }
 
-    /// Covariance of the values between the repeats; `None` of one.
+    /// Covariance of the values between the repeats; `None` of one, and where they are not of one test.
     fn between(&self) -> Option<Matrix> {
         let means = self.values();
         let freedom = self.repeats.len() as f64 - 1.0;
         let from_mean = Matrix::from_fn(self.count, self.repeats.len(), |k, repeat| {
             (self.repeats[repeat].estimates[k].value - means[k]) / freedom.sqrt()
         });
-        (freedom > 0.0).then(|| from_mean.times_own_transpose())
+        let scatters = freedom > 0.0 && identify::of_one_test(self.repeats);
+        scatters.then(|| from_mean.times_own_transpose())
     }
 
     /// Whether the repeats differ by more than their own noise makes.

@@ -11,7 +11,7 @@ use super::{angles, backlash, found, geometry, order, servo};
 use crate::circular::CircularTest;
 use crate::diagnose::Finding;
 use crate::error::Result;
-use crate::identify::Campaign;
+use crate::identify::{Campaign, Identification};
 use crate::machine::{Axis, Machine};
 use crate::plan::{Plane, Test};
 
@@ -48,24 +48,29 @@ pub fn of<'a>(
     repeat: usize,
     tests: &'a [CircularTest],
 ) -> Result<Vec<Ranking<'a>>> {
-    let each = campaign.repeats.iter().enumerate().map(|(k, identification)| {
-        let (model, values) = (campaign.model(test, machine, k)?, identification.values());
-        Ok(Repeat { model, identification, values })
-    });
-    let repeats = each.collect::<Result<Vec<_>>>()?;
-    let (Some(this), Some(frame)) = (repeats.get(repeat), &campaign.frame) else {
+    let (Some(identification), Some(frame)) = (campaign.repeats.get(repeat), &campaign.frame)
+    else {
         return Ok(Vec::new());
     };
+    let model = campaign.model(test, machine, repeat)?;
+    let values = identification.values();
+    let of_same_test =
+        |(k, other): &(usize, &Identification)| *k != repeat && other.is_of_test_of(identification);
+    let others =
+        campaign.repeats.iter().enumerate().filter(of_same_test).map(|(k, identification)| {
+            Ok(Repeat { model: campaign.model(test, machine, k)?, identification })
+        });
+    let others = others.collect::<Result<Vec<_>>>()?;
     let held = campaign.held.get(repeat).map_or(&[][..], Vec::as_slice);
     let in_planes =
         tests.par_iter().filter_map(|test| test.circle.plane().map(|(plane, _)| (test, plane)));
     let of_test = |(test, plane): (&'a CircularTest, Plane)| {
         let scene = Scene {
-            model: &this.model,
+            model: &model,
             frame,
-            identification: this.identification,
-            values: &this.values,
-            repeats: &repeats,
+            identification,
+            values: &values,
+            others: &others,
             held,
             findings,
             repeat,

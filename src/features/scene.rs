@@ -17,16 +17,16 @@ pub(super) struct Draft<'a> {
     pub(super) column: Column<'a>,
 }
 
-/// A repeat as it was identified.
+/// Another repeat of the same test.
 pub(super) struct Repeat<'a> {
     pub(super) model: Model<'a>,
     pub(super) identification: &'a Identification,
-    pub(super) values: Vec<f64>,
 }
 
 impl Repeat<'_> {
     fn ask(&self, frame: &LocalFrame, asked: &[Asked]) -> Vec<Answer> {
-        ask(&self.model, frame, &self.identification.known(&self.values), asked)
+        let values = self.identification.values();
+        ask(&self.model, frame, &self.identification.known(&values), asked)
     }
 }
 
@@ -36,8 +36,7 @@ pub(super) struct Scene<'a> {
     pub(super) frame: &'a LocalFrame,
     pub(super) identification: &'a Identification,
     pub(super) values: &'a [f64],
-    /// The same of every repeat.
-    pub(super) repeats: &'a [Repeat<'a>],
+    pub(super) others: &'a [Repeat<'a>],
     pub(super) held: &'a [HeldEffect],
     pub(super) findings: &'a [Finding],
     /// Index of the repeat.
@@ -55,11 +54,14 @@ pub(super) struct Scene<'a> {
 impl Scene<'_> {
     /// Answers, in the order in which they are asked, none known better than repeats scatter.
     pub(super) fn ask<const N: usize>(&self, asked: [Asked; N]) -> [Option<Answer>; N] {
-        let each: Vec<Vec<Answer>> =
-            self.repeats.iter().map(|repeat| repeat.ask(self.frame, &asked)).collect();
+        let known = self.identification.known(self.values);
+        let mut answers = ask(self.model, self.frame, &known, &asked).into_iter();
+        let others: Vec<Vec<Answer>> =
+            self.others.iter().map(|repeat| repeat.ask(self.frame, &asked)).collect();
         std::array::from_fn(|k| {
-            let values: Vec<f64> = each.iter().map(|answers| answers[k].value).collect();
-            let answer = each.get(self.repeat)?.get(k)?.clone();
+            let answer = answers.next()?;
+            let its = others.iter().filter_map(|answers| answers.get(k));
+            let values: Vec<f64> = std::iter::once(&answer).chain(its).map(|a| a.value).collect();
             Some(answer.scattering(deviation(&values).unwrap_or(0.0)))
         })
     }

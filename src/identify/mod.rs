@@ -75,7 +75,7 @@ pub use preference::preference;
 pub use problem::{About, Problem, Unknown};
 pub use record::{Apart, Record};
 pub use remedies::{Driven, remedies};
-pub use repeats::{CHANGED, Repeat, deviation, repeats};
+pub use repeats::{CHANGED, Repeat, deviation, of_one_test, repeats};
 pub use residuals::{ArcResiduals, arcs, rms_mm};
 pub use result::{Estimate, Identification, IdentifiedRun, LittleExplained};
 pub use rows::SEEN_UM;

@@ -1,6 +1,6 @@
 //! Repeats: mean and standard deviation over tests that were identified separately (paper, Eq. 8).
 
-use super::result::Estimate;
+use super::result::{Estimate, Identification};
 use crate::model::Parameter;
 
 /// What differs between repeats by more than so many times its noise has changed: of the fifty numbers of two repeats one does so by
@@ -27,6 +27,11 @@ pub fn deviation(of: &[f64]) -> Option<f64> {
     let mean = of.iter().sum::<f64>() / count;
     let squares: f64 = of.iter().map(|one| (one - mean).powi(2)).sum();
     (of.len() > 1).then(|| (squares / (count - 1.0)).sqrt())
+}
+
+/// Whether all are of one test. What others drive tells of other numbers, and how their values differ is no scatter.
+pub fn of_one_test(repeats: &[Identification]) -> bool {
+    repeats.windows(2).all(|two| two[0].is_of_test_of(&two[1]))
 }
 
 /// Mean and deviation of every parameter over tests with the same model.

@@ -4,7 +4,7 @@ use super::asked::Known;
 use super::input::RunInput;
 use super::record::Record;
 use super::state::IMPLAUSIBLE;
-use crate::align::{Alignment, TimeMap};
+use crate::align::{Alignment, Circle, TimeMap};
 use crate::model::Parameter;
 use crate::solve::{Matrix, NoiseModel, NullDirection, median};
 
@@ -153,6 +153,22 @@ impl Identification {
             off.partition(|off| off.abs() < IMPLAUSIBLE);
         let runs_after_feed = self.beyond_chance.is_some() && !astray.is_empty();
         runs_after_feed.then(|| median(plausible).unwrap_or(0.0))
+    }
+
+    /// Whether it is of the same test as another: each drives the circles of the other, in the same mountings.
+    pub fn is_of_test_of(&self, other: &Self) -> bool {
+        let arcs = |of: &'_ Self| -> Vec<(usize, Circle)> {
+            let of_run = |run: &IdentifiedRun| {
+                let arcs = run.alignment.sections.iter().filter(|section| !section.transit);
+                arcs.map(|section| (run.mounting, section.circle)).collect::<Vec<_>>()
+            };
+            of.runs.iter().flat_map(of_run).collect()
+        };
+        let (own, its) = (arcs(self), arcs(other));
+        let within = |arcs: &[(usize, Circle)], all: &[(usize, Circle)]| {
+            arcs.iter().all(|of| all.iter().any(|one| one.0 == of.0 && one.1.is_same(&of.1)))
+        };
+        within(&own, &its) && within(&its, &own)
     }
 
     /// What is known of the parameters, with the values as they were estimated.

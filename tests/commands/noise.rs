@@ -91,3 +91,39 @@ fn repeats_that_differ_are_told_and_stated() {
     let volume: serde_json::Value = serde_json::from_str(&volume).unwrap();
     assert!(volume["near"]["unknown_noise_um"].as_f64().unwrap() > 20.0, "{volume}");
 }
+
+/// Three planes of one machine, each identified by itself: one that another does not drive has not changed there, and what each tells
+/// of its own is known as well as by itself.
+#[test]
+fn planes_by_themselves_are_no_repeats_of_each_other() {
+    let work = Work::new();
+    let test = |plane: &str| format!("[plan]\nstrategy = \"{plane}\"\nfeed_mm_min = 1000.0\n");
+    let mut rest = vec![test("xy")];
+    work.write("machine.toml", fs::read(project().join("machines/hu40t.toml")).unwrap());
+    for plane in ["xy", "yz", "zx"] {
+        work.test(&test(plane)).ballbar(&["simulate", "test.toml", "--seed", "1"]).done();
+        for (from, kind) in [("O1001.nc", "nc"), ("run1.csv", "csv")] {
+            let bytes = fs::read(work.path(&format!("results/{from}"))).unwrap();
+            work.write(&format!("{plane}.{kind}"), bytes);
+        }
+        rest.push(format!("[[run]]\nprogram = \"{plane}.nc\"\nlog = \"{plane}.csv\"\n"));
+        fs::remove_dir_all(work.path("results")).unwrap();
+    }
+    work.test(&rest.join("\n"));
+    let text = work.ballbar(&["analyse", "test.toml"]).done().stdout();
+    assert!(!text.contains("Between the repeats"), "{text}");
+    let told: serde_json::Value =
+        serde_json::from_slice(&fs::read(work.path("results/analysis.json")).unwrap()).unwrap();
+    let tests = told["ranking"]["tests"].as_array().unwrap();
+    assert_eq!(tests.len(), 3);
+    for test in tests {
+        let features = test["features"].as_array().unwrap();
+        let plays = features.iter().filter(|of| {
+            let name = of["feature"].as_str().unwrap();
+            name.starts_with("lateral play") || name.starts_with("backlash")
+        });
+        let noises: Vec<f64> = plays.map(|of| of["noise"].as_f64().unwrap()).collect();
+        assert_eq!(noises.len(), 4, "{test}");
+        assert!(noises.iter().all(|um| *um < 0.2), "{test}");
+    }
+}

@@ -19,7 +19,7 @@ pub struct PlaceResult {
     pub unit: &'static str,
     /// Mean over the repeats.
     pub value: f64,
-    /// Standard deviation of the mean by the noise, and at least by the scatter of the repeats.
+    /// Standard deviation of the mean by the noise, and at least by the scatter of repeats of one test.
     pub noise: Option<f64>,
     /// Standard deviation of the mean by that and by what the test cannot tell from other plausible faults; `None`
     /// where nothing was taken for plausible.
@@ -29,7 +29,7 @@ pub struct PlaceResult {
     pub plausible: Option<f64>,
     /// Standard deviation between the repeats; `None` for one.
     pub deviation: Option<f64>,
-    /// That over what the noise of one repeat makes; `None` as above.
+    /// That over what the noise of one repeat makes; `None` as above, and where they are not of one test.
     #[serde(skip)]
     pub over_noise: Option<f64>,
     /// Where `all` is more than three times `noise`: the plausible faults that look the same in this test, the gravest
@@ -95,7 +95,8 @@ pub(super) fn of(test: &Test, machine: &Machine, campaign: &Campaign) -> Vec<Pla
         let reduced = at_20_c(test.record(), &result);
         std::iter::once(result).chain(reduced)
     };
-    (0..asked).map(|k| over_repeats(&each, k)).flat_map(with_temperature).collect()
+    let of_one_test = identify::of_one_test(&campaign.repeats);
+    (0..asked).map(|k| over_repeats(&each, k, of_one_test)).flat_map(with_temperature).collect()
 }
 
 /// A scale as it is at 20 degrees, where the record says how warm machine and bar were.
@@ -121,7 +122,7 @@ fn at_20_c(record: &Record, of: &PlaceResult) -> Option<PlaceResult> {
     })
 }
 
-fn over_repeats(each: &[Vec<Answer>], k: usize) -> PlaceResult {
+fn over_repeats(each: &[Vec<Answer>], k: usize, of_one_test: bool) -> PlaceResult {
     let answers = || each.iter().filter_map(|answers| answers.get(k));
     let count = each.len() as f64;
     let values: Vec<f64> = answers().map(|a| a.value).collect();
@@ -135,7 +136,8 @@ fn over_repeats(each: &[Vec<Answer>], k: usize) -> PlaceResult {
     let own = (own.max(0.0) / count).sqrt();
     let deviation = identify::deviation(&values);
     // Repeats do not scatter by less than they do.
-    let own_of_mean = own.max(deviation.unwrap_or(0.0)) / count.sqrt();
+    let scatter = deviation.filter(|_| of_one_test);
+    let own_of_mean = own.max(scatter.unwrap_or(0.0)) / count.sqrt();
     let noise = own_of_mean.hypot(square(&in_common).sqrt());
     let open = |a: &Answer| Some(a.all?.powi(2) - a.noise.powi(2));
     let open: Option<f64> = answers().map(open).sum();
@@ -150,7 +152,7 @@ fn over_repeats(each: &[Vec<Answer>], k: usize) -> PlaceResult {
         all: all.and_then(|all| finite(all * factor)),
         plausible: answers().next().and_then(|a| finite(a.plausible? * factor)),
         deviation: deviation.and_then(|deviation| finite(deviation * factor)),
-        over_noise: deviation.and_then(|deviation| finite(deviation / own)),
+        over_noise: scatter.and_then(|deviation| finite(deviation / own)),
         // What scatters more than that is not told by what looks the same.
         looks_like: answers()
             .next()
