@@ -2,8 +2,8 @@
 //!
 //! For each repeat the effects are fitted to all others, numbers inside and amplitudes. In the repeat they
 //! are held; only the model's own parameters and the times are fitted to it, as they always are. What is
-//! each run's own (the phase of a vibration, a knock) nothing else can foretell: there the amplitude is
-//! the repeat's own.
+//! each run's own (the phase of a vibration, a knock) nothing else can foretell, nor what the others see no more
+//! of than noise (a step at a moment that they do not reach): there the amplitude is the repeat's own.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -11,8 +11,8 @@ use std::ops::Range;
 use rayon::prelude::*;
 use serde::{Serialize, Serializer};
 
-use crate::diagnose::thresholds::NOTHING;
-use crate::residual::{self, Beside, Column, Fitted, Owner, Residuals, Structure};
+use crate::diagnose::thresholds::{NOTHING, UNDECIDED_SIGMAS};
+use crate::residual::{self, Beside, Column, Fitted, Noise, Owner, Residuals, Structure};
 use crate::solve::dot;
 use crate::written::um;
 
@@ -93,10 +93,12 @@ fn left_out(alone: &Beside, all: &Fitted, out: &[bool]) -> Option<LeftOut> {
     let residuals = alone.residuals;
     let within: Vec<bool> = out.iter().map(|out| !out).collect();
     let fitted = residual::fit_to(alone, all.elements.clone(), &within)?;
+    let noise = Noise::of(residuals, &all.left_mm(alone));
     let mut left_mm = residuals.model_mm.clone();
     let mut parts = Vec::new();
     for (index, element) in fitted.elements.iter().enumerate() {
-        let foretold = element.owner == Owner::All;
+        let foretold =
+            element.owner == Owner::All && see(&within, residuals, &all.part(index), &noise);
         let amplitudes = if foretold { &fitted.amplitudes[index] } else { &all.amplitudes[index] };
         let element = if foretold { element } else { &all.elements[index] };
         let mut effect = residuals.zeros();
@@ -118,6 +120,16 @@ fn left_out(alone: &Beside, all: &Fitted, out: &[bool]) -> Option<LeftOut> {
     };
     let gained_mm2 = parts.into_iter().map(gained).collect();
     Some(LeftOut { left_mm, gained_mm2 })
+}
+
+/// Whether some repeats see more of an effect than noise would make of it.
+fn see(within: &[bool], residuals: &Residuals, effect: &Fitted, noise: &Noise) -> bool {
+    let sum = effect.sum(residuals);
+    let outside = residuals.outside(&sum);
+    let each = sum.iter().zip(outside.iter()).zip(within).filter(|(_, within)| **within);
+    let seen_mm2: f64 = each.map(|((sum, outside), _)| dot(sum, outside)).sum();
+    let by_noise_mm2 = effect.columns.len() as f64 * noise.long_run_mm2;
+    seen_mm2 > UNDECIDED_SIGMAS.powi(2) * by_noise_mm2
 }
 
 /// The gain on every run, on every arc, and of every effect.
@@ -298,8 +310,30 @@ pub(crate) fn by_program(without: &Residuals, alone: &Beside, all: &Fitted) -> V
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::residual::bench::{element, residuals, white};
+
+    /// A step at a moment that the second repeat does not reach: it foretells nothing of it, and says nothing against it.
+    #[test]
+    fn a_repeat_that_does_not_see_an_effect_says_nothing_against_it() {
+        let mut noise = residuals(2, white(3, 1.5e-4));
+        for sample in &mut noise.repeats[1].samples {
+            sample.situation.motion.elapsed_s -= 1000.0;
+            sample.situation.motion.program_s -= 1000.0;
+        }
+        let step = element("repeated-step:on=EXt,moment_s=60");
+        let column = noise.outside(&step.columns(&noise)[0]);
+        let with = noise.plus(&column.times(0.01));
+        let alone = with.alone();
+        let fitted = residual::fit(&alone, vec![step]).unwrap();
+        let gains = by_run(&with, &alone, &fitted.left_mm(&alone), Some(&fitted));
+        assert_eq!(gains.harmful, None);
+        let [seeing, other] = &gains.runs[..] else { panic!("{:?}", gains.runs) };
+        assert!(seeing.after_mm < 0.1 * seeing.before_mm, "{seeing:?}");
+        assert!((other.after_mm - other.before_mm).abs() < 1e-3 * other.before_mm, "{other:?}");
+    }
 
     fn arcs(gains: &[(f64, f64)]) -> Vec<ArcGain> {
         gains.iter().map(|&(gained_mm2, there_mm2)| ArcGain { gained_mm2, there_mm2 }).collect()
