@@ -14,6 +14,9 @@ use crate::residual::{Beside, Noise, Residuals};
 /// some thousand candidates, several amplitudes each, then reaches it in fewer than 1 of 1e7 empty campaigns.
 /// Derived, for noise whose `v` is known; what is left over is for a `v` that is not.
 const BEYOND_CHANCE: f64 = 50.0;
+/// And in units of a `v` that counts what the fits have taken out of the noise, where so few pieces are left that their number is what
+/// is not known of it: 5.5 sigma, 4e-8 for one amplitude, as the ratio of likelihoods has Student's distribution in it. Derived.
+const BEYOND_FEW: f64 = 30.0;
 /// An effect must be this large against the noise of a reading, rms, to be worth naming. By trial: of what is smaller
 /// too little shows to tell causes from one another. In a campaign of more than
 /// `50 v / (0.04 sigma²)` readings this one decides, not chance.
@@ -93,15 +96,23 @@ pub(crate) fn chosen_mm2(residuals: &Residuals, noise: &Noise, left_mm2: f64) ->
     chance.max(worth_naming_mm2(residuals, noise))
 }
 
-/// [`stands_mm2`] beside effects next to which nothing but noise is left.
+/// The smallest gain that stands beside effects next to which nothing but noise is left, mm²: fifty times its `v`, and
+/// `n ln((S + g) / S) = 30`.
 pub(crate) fn stands_beside_mm2(beside: &Beside) -> f64 {
-    stands_mm2(beside.residuals, &beside.noise_alone(), beside.left_mm2())
+    let (noise, left_mm2) = (beside.noise_alone(), beside.left_mm2());
+    let few_mm2 = left_mm2 * (BEYOND_FEW * piece(&noise, left_mm2)).exp_m1();
+    let chance_mm2 = few_mm2.max(BEYOND_CHANCE * noise.long_run_mm2);
+    chance_mm2.max(worth_naming_mm2(beside.residuals, &noise))
 }
 
-/// `50 / n`, with one piece at the least; nothing left is no noise.
+/// `50 / n`.
 fn chance(noise: &Noise, left_mm2: f64) -> f64 {
-    let piece = if left_mm2 > 0.0 { noise.long_run_mm2 / left_mm2 } else { 0.0 };
-    BEYOND_CHANCE * piece.min(1.0)
+    BEYOND_CHANCE * piece(noise, left_mm2)
+}
+
+/// `1 / n`, with one piece at the least; nothing left is no noise.
+fn piece(noise: &Noise, left_mm2: f64) -> f64 {
+    if left_mm2 > 0.0 { (noise.long_run_mm2 / left_mm2).min(1.0) } else { 0.0 }
 }
 
 fn worth_naming_mm2(residuals: &Residuals, noise: &Noise) -> f64 {
