@@ -53,25 +53,33 @@ impl Standing {
         let mut chosen = run::chosen(&searched, campaign);
         step();
         let mut looks = 0;
+        // What left the least by itself, and how much; looks may lead from there to nothing.
+        let mut least: Option<(f64, Chosen)> = None;
+        let mut looking = true;
         let mut settled = false;
         loop {
             let extended = match &chosen {
                 Some(chosen) => extend::extend(test, machine, campaign, chosen)?,
                 None => None,
             };
+            let left_mm = extended.as_ref().map_or(f64::INFINITY, Extended::left_mm);
             // With them it must leave less than without, and the fit, which lets slides follow unlike, no more than before.
             let extended = extended.filter(|now| {
-                let left_mm2 = beside(&now.residuals, Some(&now.chosen)).left_mm2();
-                now.residuals.rms_mm(left_mm2) < searched.rms_mm(searched.model_mm2())
+                left_mm < searched.rms_mm(searched.model_mm2())
                     && now.campaign.rms_mm() < AS_WELL * campaign.rms_mm()
             });
+            if let (Some(from), Some(_)) = (&chosen, &extended)
+                && least.as_ref().is_none_or(|(least_mm, _)| left_mm < *least_mm)
+            {
+                least = Some((left_mm, from.clone()));
+            }
             // Effects that cannot be together: the largest first, so the last goes.
             if let (Some(astray), None) = (&chosen, &extended) {
                 let last = astray.fitted.elements.len() - 1;
                 chosen = astray.without(last, &searched.alone());
                 continue;
             }
-            if let Some(now) = extended.as_ref().filter(|_| looks < MOST_LOOKS)
+            if let Some(now) = extended.as_ref().filter(|_| looking && looks < MOST_LOOKS)
                 && let Again::Other(other) = run::again(&now.residuals, &now.campaign, &now.chosen)
             {
                 looks += 1;
@@ -79,12 +87,19 @@ impl Standing {
                 continue;
             }
             // The last look may have left what no longer stands about the model that it led to.
-            if looks == MOST_LOOKS
+            if (!looking || looks == MOST_LOOKS)
                 && let Some(Extended { residuals, chosen: now, .. }) = &extended
                 && let Some((index, _)) =
                     fallen(residuals, &now.fitted, &|all| residual::fit(&residuals.alone(), all))
             {
                 chosen = now.without(index, &searched.alone());
+                continue;
+            }
+            // Where looks led to nothing, what left the least stands if it stands by itself.
+            if chosen.is_none()
+                && let Some((_, best)) = least.take().filter(|_| looking)
+            {
+                (chosen, looking) = (Some(best), false);
                 continue;
             }
             // What a run that took no part speaks against is taken out, and all is extended again: one step.
@@ -106,6 +121,7 @@ impl Standing {
                 return Ok(Self { corrected, searched, extended, gains });
             };
             chosen = now.without(harmful, &searched.alone());
+            least = None;
         }
     }
 

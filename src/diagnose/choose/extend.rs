@@ -27,6 +27,14 @@ pub(crate) struct Extended {
     pub(crate) chosen: Chosen,
 }
 
+impl Extended {
+    /// What is left beside the effects, mm rms.
+    pub(crate) fn left_mm(&self) -> f64 {
+        let columns = &self.chosen.fitted.columns;
+        self.residuals.rms_mm(self.residuals.beside(columns).left_mm2())
+    }
+}
+
 /// Identifies with the effects held, and fits the effects again, until nothing moves; `None` where no identification
 /// comes to rest with them.
 pub(crate) fn extend(
