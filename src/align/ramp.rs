@@ -81,6 +81,7 @@ pub(super) fn mark(
     let speed_mm_s =
         |time_s: f64| ((deviation_mm(time_s + 1e-4) - deviation_mm(time_s - 1e-4)) / 2e-4).abs();
     let edge_speed_mm_s = speed_mm_s(edge_program_s);
+    let steps_s = steps_mm(run, trajectory, [edge_program_s, foot_s]) / edge_speed_mm_s.max(1e-3);
     let mut sum = (0.0, 0.0, 0.0);
     let mut samples = 0;
     for &index in &inwards {
@@ -101,7 +102,7 @@ pub(super) fn mark(
     }
     if samples > 0 {
         // The following error is common to the samples of a ramp: no gain from their number there.
-        let sigma_s = (1.0 / sum.0).sqrt().max(UNEQUAL_DELAY_S);
+        let sigma_s = (1.0 / sum.0).sqrt().max(UNEQUAL_DELAY_S).hypot(steps_s);
         return Mark { log_s: sum.1 / sum.0, program_s: sum.2 / sum.0, sigma_s, kind, samples };
     }
     // No sample on the ramp: the edge lies within one period outside the first reading.
@@ -115,6 +116,18 @@ pub(super) fn mark(
     }
 }
 
+/// Over so long past the foot of a ramp readings are counted, s.
+const SETTLED_S: f64 = 1.0;
+
+/// What the machine plausibly steps by from a ramp, from its edge to its foot, to the readings past it, mm: a slide that turns round
+/// in between has a reversal error or a lateral play.
+fn steps_mm(run: &Run, trajectory: &Trajectory, [edge_s, foot_s]: [f64; 2]) -> f64 {
+    let past_s = foot_s + 0.5 * SETTLED_S * (foot_s - edge_s).signum();
+    let [ramp, past] = [edge_s, past_s].map(|time_s| trajectory.at(time_s).sense);
+    let turned = ramp.iter().zip(&past).filter(|(ramp, past)| *ramp * *past < 0.0).count();
+    2.0 * run.rig.machine.plausible().reversal_mm * (turned as f64).sqrt()
+}
+
 /// The deviation past the foot of a ramp, by a second of readings there, mm; `inwards` are those from the edge on.
 fn settled_mm(log: &Log, inwards: &[usize], ramp_s: f64) -> f64 {
     let edge_s = inwards.first().map_or(0.0, |&first| log.readings()[first].time_s);
@@ -123,7 +136,7 @@ fn settled_mm(log: &Log, inwards: &[usize], ramp_s: f64) -> f64 {
         .iter()
         .map(|&index| log.readings()[index])
         .skip_while(|r| (r.time_s - edge_s).abs() < past_s)
-        .take_while(|r| (r.time_s - edge_s).abs() < past_s + 1.0)
+        .take_while(|r| (r.time_s - edge_s).abs() < past_s + SETTLED_S)
         .filter_map(|r| r.deviation_mm)
         .collect();
     if settled.is_empty() { 0.0 } else { settled.iter().sum::<f64>() / settled.len() as f64 }

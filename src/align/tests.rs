@@ -17,6 +17,7 @@ use super::*;
 use crate::error::{Kind, Result};
 use crate::log::{self, Log};
 use crate::machine::{Machine, Mounting};
+use crate::model::Coefficient;
 use crate::motion::Trajectory;
 use crate::nc::{self, Program};
 use crate::plan::{self, BallBar, Test};
@@ -109,6 +110,24 @@ fn ramps_tell_when_the_bar_was_engaged_and_released() {
             assert_eq!(mark.samples > 0, on_ramp, "{mark:?}");
         }
     }
+}
+
+/// A slide that turns round between the end of an arc and the ramp away from it steps by its reversal error: the bar reads as some
+/// milliseconds later.
+#[test]
+fn a_slide_that_turns_round_at_the_foot_of_a_ramp_makes_its_mark_uncertain() {
+    let bench = Bench::fed(1000, "strategy = \"iso230-4\"\n");
+    let mut scenario = Scenario { sample_rate_hz: Some(250.0), ..Scenario::default() };
+    scenario.errors.set(Coefficient::parse("EXXb").unwrap(), 0.025);
+    let run = bench.simulated(&scenario);
+    let alignment = bench.aligned(&log_of(&run.csv())).unwrap();
+    let mut most_s = 0.0_f64;
+    for mark in &alignment.marks {
+        let off_s = (mark.program_s - run.clock.at(mark.log_s).program_s).abs();
+        assert!(off_s < 3.0 * mark.sigma_s, "{off_s} {mark:?}");
+        most_s = most_s.max(off_s);
+    }
+    assert!(most_s > 2e-3, "{most_s}");
 }
 
 #[test]
