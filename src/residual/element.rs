@@ -8,6 +8,9 @@ use super::column::Column;
 use super::residuals::{Repeat, Residuals};
 use crate::model::{Empirical, Form, Inner, Law, Scale, Shape, Start, Term};
 
+/// Of a vibration of which means of readings leave less than this, nine tenths would be in the single readings: it is an alias.
+const LEFT_BY_MEANS: f64 = 0.1;
+
 /// Whether an effect is the same in all runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Owner {
@@ -172,7 +175,7 @@ impl Element {
     }
 
     /// Whether the number inside is one that these runs can show: within the limits of its key and, where it is
-    /// a part of the way of its axis or of its highest speed, short enough for that.
+    /// a part of the way of its axis or of its highest speed, short enough for that; of a vibration one that means of readings leave.
     pub fn possible(&self, residuals: &Residuals) -> bool {
         let Some((shape, number)) = self.shape().and_then(|s| Some((s, s.inner?))) else {
             return true;
@@ -182,7 +185,14 @@ impl Element {
             |of: &[f64; 3]| shape.seat.axis().map_or(f64::INFINITY, |axis| of[axis.index()]);
         let [_, most] = key.limits_si(shape.seat);
         let stands = inner.start == Start::Middle;
+        let is_left = |repeat: &Repeat| {
+            let mut averaged = repeat.runs.iter().filter_map(|run| {
+                Some(repeat.samples.get(run.samples.start)?.situation.motion.averaged)
+            });
+            averaged.any(|of| of.share_of_wave(number * of.lasts_s()).abs() > LEFT_BY_MEANS)
+        };
         (number > 0.0 || stands)
+            && (inner.start != Start::Lines || residuals.repeats.iter().any(is_left))
             && number <= most
             && number < inner.part_of_way * of_axis(&residuals.way_mm)
             && number < inner.part_of_fastest * of_axis(&residuals.fastest_mm_s)

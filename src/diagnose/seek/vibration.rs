@@ -103,7 +103,8 @@ pub(crate) fn lowest(beside: &Beside, fitted: &Fitted) -> Option<Fitted> {
         let (hz, _) = nearby(beside, &element.tuning, shape.seat, about_hz);
         let form = Form::Cause(Shape { inner: Some(hz), ..*shape });
         let lower = residual::fit(beside, vec![Element { form, ..element.clone() }])?;
-        (lower.gain_mm2 > fitted.gain_mm2 - told_mm2).then_some(lower)
+        let possible = lower.elements[0].possible(beside.residuals);
+        (possible && lower.gain_mm2 > fitted.gain_mm2 - told_mm2).then_some(lower)
     })
 }
 
