@@ -16,6 +16,8 @@ use crate::residual::{self, Beside, Column, Element, Fitted, Noise, Owner, Resid
 
 /// A delay in common that gains this share more is another one.
 const SETTLED: f64 = 1e-3;
+/// A round leaves so much of what the one before left, at the most: one that leaves more has gone astray.
+const AS_WELL: f64 = 1.02;
 /// Identified anew so often at most.
 const MOST_ROUNDS: usize = 3;
 
@@ -35,41 +37,47 @@ impl Extended {
     }
 }
 
-/// Identifies with the effects held, and fits the effects again, until nothing moves; `None` where no identification
-/// comes to rest with them.
+/// Identifies with the effects held, and fits the effects again, until nothing moves or more is left than before: what a test hardly
+/// sees of a roundness may go astray with the places that it is held at. `None` where no identification comes to rest with them.
 pub(crate) fn extend(
     test: &Test,
     machine: &Machine,
     campaign: &Campaign,
     chosen: &Chosen,
 ) -> Result<Option<Extended>> {
-    let Chosen { mut fitted, rivals } = chosen.clone();
-    let mut last: Option<(Campaign, Residuals)> = None;
+    let mut now: Option<Extended> = None;
+    let mut least_mm = f64::INFINITY;
     for _ in 0..MOST_ROUNDS {
-        let held = held(campaign, &fitted);
-        let extended = match &last {
+        let fitted = now.as_ref().map_or(&chosen.fitted, |now| &now.chosen.fitted);
+        let held = held(campaign, fitted);
+        let extended = match &now {
             // What the first identification did not know moved its times; what the second does not moves none.
             None => campaign.with_held(test, machine, held),
-            Some((extended, _)) => extended.with_held_anew(test, machine, held),
+            Some(now) => now.campaign.with_held_anew(test, machine, held),
         };
         let Ok(extended) = extended else { break };
         let about = Residuals::of(test, machine, &extended)?;
-        let mut moved = sum(&fitted, &about);
+        let mut moved = sum(fitted, &about);
         let about = about.plus(&moved);
         let alone = about.alone();
         let Some(again) = fit(&alone, &fitted.elements) else { break };
+        let left_mm = again.left_mm(&alone);
+        let rms_mm = about.rms_mm(left_mm.square());
+        if rms_mm > AS_WELL * least_mm {
+            break;
+        }
+        least_mm = rms_mm.min(least_mm);
         moved.add(-1.0, &again.sum(&about));
         let moved_mm2 = moved.product(&about.outside(&moved));
-        let noise = Noise::of(&about, &again.left_mm(&alone));
+        let noise = Noise::of(&about, &left_mm);
         drop(alone);
-        fitted = again;
-        last = Some((extended, about));
+        let chosen = Chosen { fitted: again, rivals: chosen.rivals.clone() };
+        now = Some(Extended { campaign: extended, residuals: about, chosen });
         if moved_mm2 < noise.long_run_mm2 {
             break;
         }
     }
-    let chosen = Chosen { fitted, rivals };
-    Ok(last.map(|(campaign, residuals)| Extended { campaign, residuals, chosen }))
+    Ok(now)
 }
 
 /// What a delay in common is multiplied by to see whether another fits better.
