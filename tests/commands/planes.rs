@@ -225,23 +225,31 @@ fn a_short_bar_at_a_high_feed() {
     }
 }
 
-/// Slides that follow unlike, in one direction on a short bar: the readings are too few to name it, and the residual with it
-/// and the one without are both printed. It is said why they differ.
+/// Slides that follow unlike, in one direction on a short bar. Of 0.3 ms the few readings tell the servo mismatch; of 0.1 ms they are
+/// too few to name it, and the residual with it and the one without are both printed. It is said why they differ.
 #[test]
 fn two_residuals_are_told_apart_where_nothing_is_found() {
     let plan =
         "[plan]\nstrategy = \"xy\"\nfeed_mm_min = [5000.0, 2500.0]\nboth_directions = false\n";
     let work = bench("vertical.toml", "[-284.0, -65.0, -174.0]", plan);
     let test = std::fs::read_to_string(work.path("test.toml")).unwrap();
-    work.write("test.toml", test.replace("150.0", "50.0")).write(
-        "unlike.toml",
-        "seed = 47\nsample_rate_hz = 1715.2\nresolution_um = 0.5\n\
-         [noise]\nwhite_um = 0.1\ncorrelated_um = 0.3\ncorrelation_s = 1.0\n\
-         [motion]\nfollowing_ms = [21.7, 21.4, 21.2]\n",
-    );
-    work.ballbar(&["simulate", "test.toml", "--scenario", "unlike.toml"]).done();
-    let told = work.ballbar(&["analyse", "results/test.toml"]).done().stdout();
-    let told = told.split_whitespace().collect::<Vec<_>>().join(" ");
+    work.write("test.toml", test.replace("150.0", "50.0"));
+    let told = |following_ms: &str, runs: &str| {
+        let scenario = format!(
+            "seed = 47\nsample_rate_hz = 1715.2\nresolution_um = 0.5\n\
+             [noise]\nwhite_um = 0.1\ncorrelated_um = 0.3\ncorrelation_s = 1.0\n\
+             [motion]\nfollowing_ms = {following_ms}\n"
+        );
+        work.write("unlike.toml", scenario);
+        work.ballbar(&["simulate", "test.toml", "--scenario", "unlike.toml"]).done();
+        std::fs::rename(work.path("results"), work.path(runs)).unwrap();
+        let told = work.ballbar(&["analyse", &format!("{runs}/test.toml")]).done().stdout();
+        std::fs::remove_dir_all(work.path("results")).unwrap();
+        told.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let named = told("[21.7, 21.4, 21.2]", "apart");
+    assert!(named.contains("Servo mismatch: following error of an axis, X: delay 0.30"), "{named}");
+    let told = told("[21.7, 21.6, 21.5]", "near");
     let between = |before: &str, after: &str| {
         let rest = told.split_once(before).unwrap_or_else(|| panic!("{before}: {told}")).1;
         rest.split_once(after).unwrap().0
@@ -250,7 +258,7 @@ fn two_residuals_are_told_apart_where_nothing_is_found() {
     let fit_um = between("Residual ", " um rms over");
     let model_um =
         between("Nothing was found that the model does not explain. The residual is ", " um");
-    assert!(number(model_um) > 5.0 * number(fit_um), "{model_um} {fit_um}");
+    assert!(number(model_um) > 3.0 * number(fit_um), "{model_um} {fit_um}");
     assert_eq!(between("The residual of ", " um rms counts a slide that follows later"), model_um);
     assert_eq!(between("The fit lets them follow unlike and leaves ", " um rms."), fit_um);
 }
