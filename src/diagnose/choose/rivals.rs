@@ -23,7 +23,7 @@ impl Search<'_> {
         };
         let tried = match others {
             _ if element.shape().is_none() => {
-                curves::over_each(&prospect.beside, &prospect.looks, all.noise())
+                curves::over_each(&prospect.beside, &prospect.looks, all.noise(), &|_| true)
             }
             None if !self.first.is_empty() => self.first.clone(),
             _ => self.all_in(&prospect, threshold_mm2(&all)),

@@ -163,7 +163,7 @@ impl<'a> Search<'a> {
             // What two moves explain is no noise: beside that a curve may show what they only come near.
             Some(pair) => {
                 let noise = Noise::of(beside.residuals, &pair.fitted.left_mm(beside));
-                let curves = curves::over_each(beside, &prospect.looks, &noise);
+                let curves = curves::over_each(beside, &prospect.looks, &noise, &|_| true);
                 curves.into_iter().max_by(|a, b| a.score_mm2.total_cmp(&b.score_mm2))
             }
             None => curves::best(beside, &prospect.looks, least, &|_| true),

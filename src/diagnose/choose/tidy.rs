@@ -7,8 +7,11 @@ use crate::diagnose::thresholds::{
     stands_beside_mm2,
 };
 use crate::machine::Axis;
-use crate::model::{Form, Law, Variable};
+use crate::model::{Empirical, Form, Law, Variable};
 use crate::residual::{Beside, Element, Fitted, Owner, Residuals};
+
+/// Two waves of one slide may be its screw and its scale; so many are a Fourier series, and that is any curve.
+const A_SERIES: usize = 3;
 
 /// The weakest of some effects, by its index, where it does not stand beside the others; and these fitted without it.
 pub(crate) fn fallen(
@@ -139,9 +142,14 @@ impl Search<'_> {
                 .collect();
             let start = self.fit_others(kept);
             let prospect = self.prospect(start.as_ref());
-            let found = curves::best(&prospect.beside, &prospect.looks, 0.0, &|curve| {
-                !curve.with_sense && curve.variable == over
-            });
+            let wanted = |curve: &Empirical| !curve.with_sense && curve.variable == over;
+            let found = if smooth + usize::from(described) < A_SERIES {
+                curves::best(&prospect.beside, &prospect.looks, 0.0, &wanted)
+            } else {
+                // As fine as shows beside all that they explain, which is no noise.
+                let noise = self.beside(Some(&best)).noise_alone();
+                curves::over_each(&prospect.beside, &prospect.looks, &noise, &wanted).pop()
+            };
             let Some(curve) = found else { continue };
             let before = start.iter().flat_map(|fitted| fitted.elements.clone());
             let elements = before.chain(curve.fitted.elements).collect();

@@ -120,10 +120,16 @@ pub(crate) fn best(
     (best.score_mm2 > least_mm2).then_some(best)
 }
 
-/// The best curve over each variable, of those that explain nearly as much as the best of all; `noise` is what
+/// The best curve over each variable that is wanted, of those that explain nearly as much as the best of all; `noise` is what
 /// is left beside everything.
-pub(crate) fn over_each(beside: &Beside, channels: &[Look], noise: &Noise) -> Vec<Tried> {
+pub(crate) fn over_each(
+    beside: &Beside,
+    channels: &[Look],
+    noise: &Noise,
+    wanted: &(dyn Fn(&Empirical) -> bool + Sync),
+) -> Vec<Tried> {
     let mut close = curves(channels, noise);
+    close.retain(|curve| wanted(&curve.empirical));
     let first_mm2 = close.first().map_or(0.0, |curve| curve.score_mm2);
     let mut over = BTreeSet::new();
     close.retain(|Curve { empirical, score_mm2 }| {
