@@ -41,8 +41,8 @@ pub(crate) const FOLLOWED: f64 = 1e-8;
 /// A cause that explains less than this share of what a curve does is not named: the curve is. By trial: knots leave some
 /// per cent of what has edges.
 pub(crate) const OF_A_CURVE: f64 = 0.95;
-/// Causes in place of a curve explain at least this share of what the curve does. By trial; more than
-/// [`OF_A_CURVE`], because several causes can be piled up to any curve.
+/// One cause in place of a curve explains at least this share of what the curve does, several explain more than it: they can be piled
+/// up to any curve. By trial; more than [`OF_A_CURVE`], because a curve was the better beside what else had been chosen.
 pub(crate) const INSTEAD_OF_A_CURVE: f64 = 0.99;
 /// A cause smaller than this part of the largest curve, rms, is a part of what the curve describes. By trial: knots
 /// leave some percent of what is sharp.

@@ -95,7 +95,10 @@ impl Search<'_> {
             let instead = causes.filter(|tried| {
                 let beside = self.beside(Some(tried));
                 let of_curve_mm2 = |fitted: &Fitted| score_mm2(&beside, fitted) - others_mm2;
-                of_curve_mm2(tried) > INSTEAD_OF_A_CURVE * of_curve_mm2(&best)
+                // That several come to the same as one curve does is a chance that they were chosen for.
+                let several = tried.elements.len() > best.elements.len();
+                let share = if several { 1.0 } else { INSTEAD_OF_A_CURVE };
+                of_curve_mm2(tried) > share * of_curve_mm2(&best)
                     && !self.bends_less(tried, &best, index)
             });
             match instead {
