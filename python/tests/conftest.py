@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
+
+# Matrices are small here: threads of the linear algebra wait for each other ten times as long as one of them computes.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import ballbar
 import pytest
