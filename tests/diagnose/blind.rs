@@ -201,7 +201,7 @@ fn several_causes_that_do_no_more_than_a_curve_are_not_named() {
     }
 }
 
-/// A joint 6 mm wide of a hundred times its size: six waves, each shorter and lower than the one before.
+/// A joint of 26 um that is 6 mm wide: six waves come to the same, each shorter and lower than the one before.
 #[test]
 fn a_fourier_series_is_a_curve() {
     is_right(95, Class::Outside, 6);
