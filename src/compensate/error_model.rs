@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::diagnose::{Diagnosis, Finding, Owner};
 use crate::error::Result;
-use crate::identify::{self, CHANGED, Campaign, Identification};
+use crate::identify::{self, CHANGED, Campaign, Identification, SeenErrors};
 use crate::machine::{Machine, Mounting};
 use crate::model::{Form, HeldEffect, LOCAL, LocalFrame, Model, Parameter, Seat, Variable};
 use crate::plan::Test;
@@ -91,7 +91,8 @@ impl ErrorModel {
         };
         let parameters = first.estimates.iter().map(|of| of.parameter.clone()).collect();
         let count = first.estimates.len();
-        let of = Means { repeats: &campaign.repeats, count };
+        let seen = campaign.repeats.iter().map(Identification::seen_errors).collect();
+        let of = Means { repeats: &campaign.repeats, seen, count };
         let of_file = test.estimation().curves.iter().map(|(curve, amplitudes)| Held {
             effect: HeldEffect {
                 form: Form::Empirical(curve.clone()),
@@ -110,8 +111,8 @@ impl ErrorModel {
             parameters,
             values: of.values(),
             noise: of.noise(),
-            open: of.covariance(|of| of.left_open.clone()),
-            driven: of.covariance(Identification::open_by_driving),
+            open: of.covariance(|of| of.left_open.as_ref()),
+            driven: of.covariance(|of| of.driven.as_ref()),
             held: of_file.chain(held(campaign, findings)).filter(Held::at_rest).collect(),
         })
     }
@@ -159,28 +160,30 @@ const SEEN: f64 = 0.5;
 /// known of effects.
 struct Means<'a> {
     repeats: &'a [Identification],
+    /// What each of them sees.
+    seen: Vec<SeenErrors>,
     count: usize,
 }
 
 impl Means<'_> {
     /// Mean over the repeats of a number.
-    fn mean(&self, of: impl Fn(&Identification) -> f64) -> f64 {
-        self.repeats.iter().map(of).sum::<f64>() / self.repeats.len() as f64
+    fn mean(&self, of: impl Fn(&SeenErrors) -> f64) -> f64 {
+        self.seen.iter().map(of).sum::<f64>() / self.seen.len() as f64
     }
 
     fn values(&self) -> Vec<f64> {
-        (0..self.count).map(|k| self.mean(|of| of.estimates[k].value)).collect()
+        (0..self.count).map(|k| self.mean(|of| of.values[k])).collect()
     }
 
     fn noise(&self) -> Matrix {
-        let in_common = |of: &Identification| of.effects.as_ref().map_or(0, Matrix::columns);
-        let width = self.repeats.iter().map(in_common).min().unwrap_or(0);
+        let in_common = |of: &SeenErrors| of.effects.as_ref().map_or(0, Matrix::columns);
+        let width = self.seen.iter().map(in_common).min().unwrap_or(0);
         let common = Matrix::from_fn(self.count, width, |i, k| {
             self.mean(|of| of.effects.as_ref().map_or(0.0, |effects| effects[(i, k)]))
         });
         let repeats = self.repeats.len() as f64;
         let each: Vec<Matrix> =
-            self.repeats.iter().filter_map(|of| squared(of.effects.as_ref())).collect();
+            self.seen.iter().filter_map(|of| squared(of.effects.as_ref())).collect();
         let of_common = common.times_own_transpose();
         let own = Matrix::from_fn(self.count, self.count, |i, k| {
             let all = self.mean(|of| of.covariance[(i, k)]);
@@ -200,7 +203,7 @@ impl Means<'_> {
         let means = self.values();
         let freedom = self.repeats.len() as f64 - 1.0;
         let from_mean = Matrix::from_fn(self.count, self.repeats.len(), |k, repeat| {
-            (self.repeats[repeat].estimates[k].value - means[k]) / freedom.sqrt()
+            (self.seen[repeat].values[k] - means[k]) / freedom.sqrt()
         });
         let scatters = freedom > 0.0 && identify::of_one_test(self.repeats);
         scatters.then(|| from_mean.times_own_transpose())
@@ -214,9 +217,8 @@ impl Means<'_> {
         })
     }
 
-    fn covariance(&self, of: impl Fn(&Identification) -> Option<Matrix>) -> Matrix {
-        let each: Vec<Matrix> =
-            self.repeats.iter().filter_map(|one| squared(of(one).as_ref())).collect();
+    fn covariance<'b>(&'b self, of: impl Fn(&'b SeenErrors) -> Option<&'b Matrix>) -> Matrix {
+        let each: Vec<Matrix> = self.seen.iter().filter_map(|one| squared(of(one))).collect();
         let repeats = self.repeats.len() as f64;
         Matrix::from_fn(self.count, self.count, |i, k| {
             each.iter().map(|of| of[(i, k)]).sum::<f64>() / repeats

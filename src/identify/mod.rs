@@ -17,6 +17,7 @@
 //! **Rank.** A direction in coefficient space counts as observed when its effect over the measured
 //! sphere stands out of the noise, see [`SEEN_UM`].
 
+mod across;
 mod asked;
 mod campaign;
 mod cautions;
@@ -49,6 +50,7 @@ mod result;
 mod rows;
 mod said;
 mod sandwich;
+mod seen_errors;
 mod selection;
 mod settle;
 mod slip;
@@ -79,6 +81,7 @@ pub use repeats::{CHANGED, Repeat, deviation, of_one_test, repeats};
 pub use residuals::{ArcResiduals, arcs, rms_mm};
 pub use result::{Estimate, Identification, IdentifiedRun, LittleExplained};
 pub use rows::SEEN_UM;
+pub use seen_errors::SeenErrors;
 pub use selection::{Removal, Selection};
 pub use state::IMPLAUSIBLE;
 pub use words::sentence;

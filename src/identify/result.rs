@@ -1,5 +1,6 @@
 //! What an identification says.
 
+use super::across::Across;
 use super::asked::Known;
 use super::input::RunInput;
 use super::record::Record;
@@ -92,6 +93,7 @@ pub struct LittleExplained {
 pub struct Identification {
     /// The parameters of the model, in its order.
     pub estimates: Vec<Estimate>,
+    pub(super) across: Across,
     /// Correlation of the estimates.
     pub correlation: Matrix,
     /// Covariance of the estimates by the noise.

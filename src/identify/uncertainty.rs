@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::across::Across;
 use super::fit::{Fit, Outcome};
 use super::input::RunInput;
 use super::record::Record;
@@ -85,11 +86,13 @@ impl Fit<'_> {
         let counts_mm = self.state.counts_mm();
         let settled = self.state.settled;
         let machine = self.model.machine();
+        let across = Across::of(self.model, &self.runs);
         let runs = self.identified(&left_mm, &noise);
         let left = Unexplained::of(&runs, rms_mm, &noise, options);
         let cautions = cautions::cautions(&runs, machine, rms_mm, &left, options, settled);
         Ok(Identification {
             estimates,
+            across,
             correlation,
             covariance,
             left_open,

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use serde_json::Value;
 
 use crate::volume::{HU40T, VERTICAL, analysed, drawn_errors, names, rested, true_mm};
-use crate::work::{Work, data};
+use crate::work::{Work, data, unpacked};
 
 const SENSES: [[f64; 3]; 4] =
     [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
@@ -298,6 +298,26 @@ fn a_short_wave_is_followed_or_left_alone() {
         let (left, _) = left_um(Control::Siemens, &[], &play);
         assert!(left < 0.01, "{play}: {left}");
     }
+}
+
+/// Nobody cuts a circle exactly through the middle of the ball: of what is across it such a plane says no more, and noise is not
+/// taken for it.
+#[test]
+fn a_plane_beside_the_ball_is_one_plane() {
+    let work = Work::new();
+    let set = data("planar250");
+    for name in ["machine.toml", "run1.csv.gz", "run2.csv.gz"] {
+        work.write(name, std::fs::read(set.join(name)).unwrap());
+    }
+    let test = std::fs::read_to_string(set.join("test.toml")).unwrap();
+    let program = unpacked(&set.join("O4002.nc.gz"));
+    work.write("test.toml", test.replace("O4002.nc.gz", "O4002.nc"))
+        .write("O4002.nc", program.replace("Y0. Z0. F", "Y0. Z0.05 F"));
+    work.plain(&["analyse", "test.toml", "-o", "base"]).done();
+    let (told, _) = compensated(&work, Control::Linuxcnc, &[]);
+    let [before, noise] = [&told["before"]["rms_um"], &told["unknown_noise_um"]];
+    let [before, noise] = [before, noise].map(|um| um.as_f64().unwrap());
+    assert!((1.0..3.0).contains(&before) && noise < 0.5, "{before} {noise}");
 }
 
 #[test]
