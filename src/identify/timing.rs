@@ -6,7 +6,7 @@ use super::input::RunInput;
 use super::state::Taking;
 use crate::align::{Following, Sample};
 use crate::machine::{ChainErrors, Pose};
-use crate::model::Model;
+use crate::model::{Model, Motion};
 
 /// Over this long the path counts in its mean while times are known to a second, s.
 pub(super) const SMOOTH_S: f64 = 0.4;
@@ -113,9 +113,9 @@ pub(super) fn view(
     let velocity_mm_s = &sample.motion.velocity_mm_s;
     let late_mm = (map.delays_s - map.unlike_s()).component_mul(velocity_mm_s);
     // What the errors make of the length between the balls.
-    let bent = |pose: &Pose| model.errors(values, pose, &sample.motion, run.mounting);
-    let errs_mm = |pose: &Pose, errors: &ChainErrors| {
-        let length_mm = model.bent_length_mm(values, errors, pose, &sample.motion, run.mounting);
+    let bent = |pose: &Pose, motion: &Motion| model.errors(values, pose, motion, run.mounting);
+    let errs_mm = |pose: &Pose, motion: &Motion, errors: &ChainErrors| {
+        let length_mm = model.bent_length_mm(values, errors, pose, motion, run.mounting);
         length_mm - (pose.position_mm - coincidence_mm).norm()
     };
     let length_mm = |position_mm: &Vector3<f64>| (position_mm - coincidence_mm).norm();
@@ -162,14 +162,17 @@ pub(super) fn view(
         Pose { position_mm, sense: sample.pose.sense }
     };
     let (before, after) = (beside(before_s), beside(after_s));
-    let errors = bent(&sample.pose);
-    let here_mm = errs_mm(&sample.pose, &errors);
-    let errs_there_mm = |pose: &Pose| errs_mm(pose, &bent(pose));
+    let errors = bent(&sample.pose, &sample.motion);
+    let here_mm = errs_mm(&sample.pose, &sample.motion, &errors);
+    let errs_there_mm = |then_s: f64, pose: &Pose| {
+        let motion = moves(model, run, sample, then_s);
+        errs_mm(pose, &motion, &bent(pose, &motion))
+    };
     // Errors are smooth over some milliseconds, and the path with its vertices is not.
     let errs_grow_mm = if step_s <= STEP_S {
-        2.0 * (errs_there_mm(&after) - here_mm)
+        2.0 * (errs_there_mm(after_s, &after) - here_mm)
     } else {
-        errs_there_mm(&after) - errs_there_mm(&before)
+        errs_there_mm(after_s, &after) - errs_there_mm(before_s, &before)
     };
     let commanded_grows_mm =
         commanded_mm(after_s, &after.position_mm) - commanded_mm(before_s, &before.position_mm);
@@ -214,6 +217,20 @@ pub(super) fn view(
         speed_mm_s: grows_mm / (2.0 * step_s),
         errors,
     }
+}
+
+/// How the machine moves at a program time near a sample, its senses held. Only effects that are held beside the parameters hang on that:
+/// the lag near standstill of a slide that turns with 15 mm/s² may change by a micrometre in a millisecond.
+fn moves(model: &Model, run: &RunInput, sample: &Sample, then_s: f64) -> Motion {
+    if !model.holds() {
+        return sample.motion;
+    }
+    let velocity_mm_s = |at_s: f64| {
+        let state = run.alignment.trajectory.at_near(at_s, sample.block);
+        state.velocity_mm_s
+    };
+    let faster_mm_s = velocity_mm_s(then_s) - velocity_mm_s(sample.program_s);
+    sample.motion.later(then_s - sample.program_s, &faster_mm_s)
 }
 
 /// Where slides that follow are along the bar at a sample, mm, by how much more of its time constant moves each, mm/s, where this share of

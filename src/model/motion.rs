@@ -82,6 +82,20 @@ impl Motion {
         averaged: Averaged::SINGLE,
         run: 0,
     };
+
+    /// The same a little later in the program, s, by when the slides have become so much faster, mm/s; none turns in between.
+    #[must_use]
+    pub fn later(&self, later_s: f64, faster_mm_s: &Vector3<f64>) -> Self {
+        let mut later = *self;
+        later.velocity_mm_s += faster_mm_s;
+        for (reversal, mm_s) in later.reversals.iter_mut().zip(&self.velocity_mm_s) {
+            if let Some(Reversal { ago_s, ago_mm }) = reversal {
+                *ago_s = (*ago_s + later_s).max(0.0);
+                *ago_mm = (*ago_mm + later_s * mm_s.abs()).max(0.0);
+            }
+        }
+        later
+    }
 }
 
 #[cfg(test)]
@@ -89,6 +103,23 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
+
+    #[test]
+    fn what_is_later_is_faster_and_farther_from_where_it_turned() {
+        let reversal = Reversal { ago_s: 0.5, ago_mm: 0.25 };
+        let now = Motion {
+            velocity_mm_s: Vector3::new(-2.0, 1.0, 0.0),
+            reversals: [Some(reversal), None, None],
+            ..Motion::REST
+        };
+        let later = now.later(0.1, &Vector3::new(-0.4, 0.2, 0.0));
+        assert!((later.velocity_mm_s - Vector3::new(-2.4, 1.2, 0.0)).norm() < 1e-12);
+        let [Some(of_x), None, None] = later.reversals else { panic!("{later:?}") };
+        assert!((of_x.ago_s - 0.6).abs() < 1e-12 && (of_x.ago_mm - 0.45).abs() < 1e-12, "{of_x:?}");
+        // No reversal is ahead.
+        let [Some(of_x), ..] = now.later(-1.0, &Vector3::zeros()).reversals else { panic!() };
+        assert_eq!((of_x.ago_s, of_x.ago_mm), (0.0, 0.0));
+    }
 
     #[test]
     fn a_mean_holds_the_share_of_a_wave_that_its_readings_do() {

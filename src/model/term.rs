@@ -244,6 +244,11 @@ impl<'a> Model<'a> {
         self.machine
     }
 
+    /// Whether effects are held beside the parameters.
+    pub fn holds(&self) -> bool {
+        self.holds
+    }
+
     /// The mountings.
     pub fn mountings(&self) -> &[Mounting] {
         &self.mountings
