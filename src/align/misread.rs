@@ -32,6 +32,9 @@ const BEYOND: f64 = 2.0;
 /// A knob may stand at half of what is stated, or at twice: beyond, the rate of the log is wrong.
 const KNOB: f64 = 2.0;
 
+/// Fewer readings than this, in all engagements, determine no fit.
+const FEWEST: usize = 32;
+
 /// How a log may be read otherwise.
 #[derive(Debug, Clone, Copy)]
 struct Reading {
@@ -157,6 +160,10 @@ fn judge(run: &Run, trajectory: &Trajectory, expected: &[Engagement]) -> Verdict
         return Verdict::OfAnotherTime;
     };
     let stretches = &paired.stretches;
+    // In days the milliseconds in which a bar at the edge of its range flickers are as long as the program.
+    if stretches.iter().map(Range::len).sum::<usize>() < FEWEST {
+        return Verdict::OfAnotherTime;
+    }
     let heights: Vec<Height> = heights(run, trajectory, expected, stretches);
     let beyond_mm = BEYOND * run.rig.bar.range_mm;
     let of = |stretch: &Range<usize>| run.log.readings()[stretch.clone()].iter();

@@ -33,13 +33,12 @@ const LEFT: f64 = 0.05;
 /// In directions that an arc hardly has an offset is not told.
 const FLAT: f64 = 1e-3;
 
-/// Of arcs that are laid over the operator's pause half of the readings or more are left; of others what errors of the machine
-/// are beside the offset, less than this.
+/// Of arcs that are laid over the operator's pause half of the readings or more are left: with less than this nothing else is looked for.
 const WRONG: f64 = 0.35;
-/// Where a log was laid over its program wrongly, its arcs leave so many times more than elsewhere in the log: [`WRONG`], and
-/// some [`LEFT`].
+/// Where a log was laid over its program wrongly, and nowhere else, its arcs leave so many times more than one arc that is
+/// found in the log by itself.
 const WORSE: f64 = 4.0;
-/// And so many times more than where they are laid over rightly, which leaves less than [`WRONG`]: nearly all.
+/// And so many times more than where they are laid over rightly, whatever the machine errs by beside the offset.
 const NEARLY_ALL: f64 = 2.0;
 /// This part of the offset that brings the bar in by itself does so together with errors of the machine.
 const OFF: f64 = 0.5;
@@ -81,13 +80,13 @@ pub fn off_centre(run: &Run, laid: Option<&Alignment>) -> Option<OffCentre> {
     let least_mm = waits_mm.map_or(range_mm, |mm| (mm - range_mm).min(range_mm));
     let one_arc = Circle::of_one_arc(run, trajectory, least_mm)?;
     let left = laid.and_then(|laid| Circle::of_arcs(run, laid)).map_or(1.0, |of| of.left);
-    if laid.is_some() && left < WRONG.max(WORSE * one_arc.left) {
+    if laid.is_some() && left < WRONG {
         return None;
     }
     let nearer = || {
         let within_mm = 0.5 * waits_mm?;
         let (laid, of) = laid_within(run, within_mm)?;
-        let is_off = of.left < WRONG.min(left / NEARLY_ALL) && of.offset_mm.norm() > OFF * least_mm;
+        let is_off = of.left < left / NEARLY_ALL && of.offset_mm.norm() > OFF * least_mm;
         is_off.then(|| OffCentre::Laid {
             offset_mm: of.offset_mm,
             within_mm,
@@ -96,7 +95,8 @@ pub fn off_centre(run: &Run, laid: Option<&Alignment>) -> Option<OffCentre> {
     };
     nearer().or_else(|| {
         let size_mm = one_arc.offset_mm.norm();
-        (one_arc.left < LEFT && size_mm >= least_mm).then_some(OffCentre::TooFar(size_mm))
+        let is_arc = one_arc.left < LEFT && (laid.is_none() || one_arc.left < left / WORSE);
+        (is_arc && size_mm >= least_mm).then_some(OffCentre::TooFar(size_mm))
     })
 }
 

@@ -332,3 +332,26 @@ fn a_log_of_another_test_is_named() {
     assert!(told.contains("- run1-O1002: the model leaves "), "{told}");
     assert!(told.contains("a log may be of another program or of another test"), "{told}");
 }
+
+/// A tool ball 0.2 mm off brings a bar of 1.2 mm range to the edge of it where the program waits: it reads through a pause between
+/// arcs, or flickers for milliseconds, which in days are as long as the program.
+#[test]
+fn a_bar_that_stands_at_the_edge_of_its_range_between_arcs() {
+    let work = Work::new();
+    let trial = ["blind", "--grid", "--seed", "107", "--trial", "single:6", "--write"];
+    work.plain(&[&trial[..], &["-o", "campaign"]].concat()).done();
+    let test = std::fs::read_to_string(work.path("campaign/test.toml")).unwrap();
+    let head = test.split("[[run]]").next().unwrap();
+    for log in ["run3-2", "run4-2"] {
+        let run =
+            format!("[[run]]\nprogram = \"program2.nc\"\nlog = \"{log}.csv\"\nmounting = \"B\"\n");
+        work.write(&format!("campaign/{log}.toml"), format!("{head}{run}"));
+        let file = format!("campaign/{log}.toml");
+        let told = work.plain(&["align", &file, "-o", log, "--json"]).done().stdout();
+        let told: Value = serde_json::from_str(&told).unwrap();
+        for arc in told["runs"][0]["arcs"].as_array().unwrap() {
+            let left_um = arc["rms_um"].as_f64().unwrap();
+            assert!(left_um < 2.0, "{log}, {}: {left_um} um", arc["name"]);
+        }
+    }
+}
