@@ -84,7 +84,8 @@ pub fn off_centre(run: &Run, laid: Option<&Alignment>) -> Option<OffCentre> {
         return None;
     }
     let nearer = || {
-        let within_mm = 0.5 * waits_mm?;
+        // Of arcs that read beyond that, a bar of half the range would have shown pieces.
+        let within_mm = waits_mm.map(|mm| 0.5 * mm).filter(|mm| one_arc.offset_mm.norm() < *mm)?;
         let (laid, of) = laid_within(run, within_mm)?;
         let is_off = of.left < left / NEARLY_ALL && of.offset_mm.norm() > OFF * least_mm;
         is_off.then(|| OffCentre::Laid {
