@@ -32,7 +32,7 @@ const BEYOND: f64 = 2.0;
 /// A knob may stand at half of what is stated, or at twice: beyond, the rate of the log is wrong.
 const KNOB: f64 = 2.0;
 
-/// Fewer readings than this, in all engagements, determine no fit.
+/// A log with fewer readings than this in all its engagements tells nothing of a machine, whatever the unit of its times.
 const FEWEST: usize = 32;
 
 /// How a log may be read otherwise.

@@ -35,10 +35,11 @@ const FLAT: f64 = 1e-3;
 
 /// Of arcs that are laid over the operator's pause half of the readings or more are left: with less than this nothing else is looked for.
 const WRONG: f64 = 0.35;
-/// Where a log was laid over its program wrongly, and nowhere else, its arcs leave so many times more than one arc that is
-/// found in the log by itself.
+/// Balls are said to stand too far off where the arcs of a log, as it was laid over its program, leave so many times more than
+/// the one arc that is found in it by itself.
 const WORSE: f64 = 4.0;
-/// And so many times more than where they are laid over rightly, whatever the machine errs by beside the offset.
+/// Arcs of a log that was laid over its program wrongly leave so many times more than where they are laid over rightly, whatever
+/// the machine errs by beside the offset.
 const NEARLY_ALL: f64 = 2.0;
 /// This part of the offset that brings the bar in by itself does so together with errors of the machine.
 const OFF: f64 = 0.5;

@@ -7,7 +7,7 @@
 //!
 //! A fit needs both all the same: the product shows in readings of 0.05 um, and what it leaves open in the errors within the plane is
 //! as large as their noise. But where it came to rest along them, in one of several ways that do the same, is no estimate of either.
-//! They are told as what they are, not seen.
+//! So the errors of the machine that are mapped and compensated have nothing of them but what is plausible.
 
 use nalgebra::{Matrix3, Vector3};
 
