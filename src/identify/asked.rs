@@ -99,6 +99,9 @@ impl Answer {
 /// Where more than this times the noise is left open, it is said.
 pub const OPEN: f64 = 3.0;
 
+/// A test that tells less than this share of what was plausible of something does not see it.
+pub const SEEN: f64 = 0.1;
+
 /// What is known of the parameters of a model.
 #[derive(Debug, Clone, Copy)]
 pub struct Known<'a> {

@@ -61,7 +61,7 @@ mod uncertainty;
 mod unexplained;
 mod words;
 
-pub use asked::{Answer, Asked, Known, OPEN, Suspect, answers, ask, bent};
+pub use asked::{Answer, Asked, Known, OPEN, SEEN, Suspect, answers, ask, bent};
 pub use campaign::{Campaign, Failure};
 pub use complete::{count, explicit_terms, order_of};
 pub use fit::identify;

@@ -4,7 +4,8 @@ use jiff::civil::Date;
 
 use super::chance::of_student;
 use super::changes::Judged;
-use super::thresholds::{APART, LEAST_POINTS, SEEN, TOLD};
+use super::thresholds::{APART, LEAST_POINTS, TOLD};
+use crate::identify::SEEN;
 
 /// A quantity over time.
 #[derive(Debug, Clone, PartialEq)]

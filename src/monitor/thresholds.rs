@@ -9,8 +9,6 @@ pub(super) const TOLD: f64 = 0.5;
 /// Set up again, a ball stands within this share of the bar's length of where it was; errors as smooth as those of slides
 /// change by as little of themselves.
 pub(super) const SAME_PLACE: f64 = 0.05;
-/// Tests that tell less than this share of what was plausible say nothing of it over time.
-pub(super) const SEEN: f64 = 0.1;
 /// Balls brought together by hand stand within this of where a test takes them to be, standard deviation, mm: the default of what
 /// is plausible for a set-up.
 pub(super) const SET_UP_MM: f64 = 0.1;

@@ -313,7 +313,17 @@ fn a_plane_beside_the_ball_is_one_plane() {
     let program = unpacked(&set.join("O4002.nc.gz"));
     work.write("test.toml", test.replace("O4002.nc.gz", "O4002.nc"))
         .write("O4002.nc", program.replace("Y0. Z0. F", "Y0. Z0.05 F"));
-    work.plain(&["analyse", "test.toml", "-o", "base"]).done();
+    let told = work.plain(&["analyse", "test.toml", "-o", "base"]).done();
+    let told = told.stdout().split_whitespace().collect::<Vec<_>>().join(" ");
+    let (_, unseen) = told.split_once("Not seen in this test: ").unwrap();
+    let (unseen, _) = unseen.split_once('.').unwrap();
+    for slide in ["X", "Y"] {
+        let about = if slide == "X" { "C" } else { "" };
+        for turned in ["A", "B", "C"] {
+            let angle = format!("angle E{turned}{slide}");
+            assert_eq!(unseen.contains(&angle), turned != about, "{angle}: {unseen}");
+        }
+    }
     let (told, _) = compensated(&work, Control::Linuxcnc, &[]);
     let [before, noise] = [&told["before"]["rms_um"], &told["unknown_noise_um"]];
     let [before, noise] = [before, noise].map(|um| um.as_f64().unwrap());

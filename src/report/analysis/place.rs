@@ -3,7 +3,9 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::identify::{self, Answer, Asked, Campaign, IMPLAUSIBLE, Identification, OPEN, Suspect};
+use crate::identify::{
+    self, Answer, Asked, Campaign, IMPLAUSIBLE, Identification, OPEN, SEEN, Suspect,
+};
 use crate::machine::{Axis, Machine};
 use crate::model::{Local, LocalShape, ParameterId};
 use crate::plan::{Record, Test, Warmth};
@@ -38,10 +40,10 @@ pub struct PlaceResult {
 }
 
 impl PlaceResult {
-    /// Whether these runs tell nothing of it: next to all that is stated is what was plausible beforehand.
+    /// Whether these runs tell nothing of it: all but [`SEEN`] of what is stated was plausible beforehand, and the value is within it.
     pub(super) fn is_unseen(&self) -> bool {
-        let noise = self.noise.unwrap_or(0.0);
-        self.all.is_some_and(|all| noise < UNSEEN * all && self.value.abs() < UNSEEN * all)
+        let (Some(all), Some(plausible)) = (self.all, self.plausible) else { return false };
+        1.0 - (all / plausible.max(f64::MIN_POSITIVE)).powi(2) < SEEN && self.value.abs() < all
     }
 
     /// What a reader should know of it, where the test leaves much more open than noise does.
@@ -64,9 +66,6 @@ pub(super) fn seen(results: &[PlaceResult]) -> (Vec<&PlaceResult>, Vec<&str>) {
     let (unseen, seen): (Vec<_>, Vec<_>) = results.iter().partition(|result| result.is_unseen());
     (seen, unseen.into_iter().map(|result| result.quantity.as_str()).collect())
 }
-
-/// Less noise and less of a value than this part of what is plausible is nothing seen.
-const UNSEEN: f64 = 1e-3;
 
 /// Two digits of an uncertainty.
 pub(in crate::report) fn decimals(uncertainty: f64) -> usize {
@@ -141,6 +140,10 @@ fn over_repeats(each: &[Vec<Answer>], k: usize, of_one_test: bool) -> PlaceResul
     let noise = own_of_mean.hypot(square(&in_common).sqrt());
     let open = |a: &Answer| Some(a.all?.powi(2) - a.noise.powi(2));
     let open: Option<f64> = answers().map(open).sum();
+    // The ends of a range may be others in every repeat.
+    let before: Option<f64> =
+        answers().map(|a| a.plausible.map(|plausible| plausible.powi(2))).sum();
+    let before = before.map(|before| (before / count).sqrt());
     let all = open.map(|open| noise.hypot((open.max(0.0) / count).sqrt()));
     let asked = answers().next().map_or(Asked::Scale(Axis::X), |a| a.asked);
     let (unit, factor) = asked.unit();
@@ -150,7 +153,7 @@ fn over_repeats(each: &[Vec<Answer>], k: usize, of_one_test: bool) -> PlaceResul
         value: mean * factor + 0.0,
         noise: finite(noise * factor),
         all: all.and_then(|all| finite(all * factor)),
-        plausible: answers().next().and_then(|a| finite(a.plausible? * factor)),
+        plausible: before.and_then(|before| finite(before * factor)),
         deviation: deviation.and_then(|deviation| finite(deviation * factor)),
         over_noise: scatter.and_then(|deviation| finite(deviation / own)),
         // What scatters more than that is not told by what looks the same.
