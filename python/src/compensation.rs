@@ -141,6 +141,7 @@ pub(crate) fn compensate(
             shrunk,
             shrunk_mm: [before_mm, after_mm],
             unknown,
+            changed: errors.changed,
             of: &of,
         };
         let (text, json) = (compensation_text(&told), compensation_json(&told).to_string());

@@ -96,6 +96,7 @@ impl Arguments {
             shrunk,
             shrunk_mm: [before_mm, after_mm],
             unknown,
+            changed: errors.changed,
             of: &of,
         };
         let text = report::compensation_text(&told);

@@ -18,6 +18,7 @@ use crate::machine::Machine;
 use crate::monitor::resolved;
 use crate::nc::{self, Reading, Rewriting, Severity};
 use crate::plan::Test;
+use crate::report::changed_between_repeats;
 
 /// Correct a program beforehand, for a control that cannot compensate
 ///
@@ -101,8 +102,9 @@ impl Arguments {
         checked(&text, &corrected.text, Path::new(&name), &machine, &reading)?;
         let mut files = Files::of(common, read);
         files.add(name, corrected.text.clone());
-        let told =
-            Told { corrected: &corrected, shrunk, before_mm, after_mm, of: &analysed.compensation };
+        let changed = errors.changed;
+        let of = &analysed.compensation;
+        let told = Told { corrected: &corrected, shrunk, before_mm, after_mm, changed, of };
         let json = output::json_text("correct", told.json());
         files.deliver(common.json, talk, &json, &told.text())
     }
@@ -179,6 +181,7 @@ struct Told<'a> {
     shrunk: Shrunk,
     before_mm: f64,
     after_mm: f64,
+    changed: Option<f64>,
     of: &'a Option<String>,
 }
 
@@ -198,6 +201,7 @@ impl Told<'_> {
             "directions": self.shrunk.of,
             "volumetric_before_shrinking_um": 1e3 * self.before_mm,
             "volumetric_um": 1e3 * self.after_mm,
+            "repeats_over_noise": self.changed,
             "compensation": self.of,
         })
     }
@@ -225,6 +229,9 @@ impl Told<'_> {
                 "{} points lie up to {:.0} mm from what was measured: they have the correction of its end, and nobody has looked there.",
                 of.far.0, of.far.1
             );
+        }
+        if let Some(times) = self.changed {
+            let _ = writeln!(text, "{}", changed_between_repeats(times));
         }
         if let Some(compensation) = self.of {
             let _ = writeln!(

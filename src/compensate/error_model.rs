@@ -61,6 +61,9 @@ pub struct ErrorModel {
     pub driven: Matrix,
     /// Effects beside the parameters: those that all runs had.
     pub held: Vec<Held>,
+    /// By how many times their noise repeats of one test differ at the most, where that is more than [`CHANGED`]: the values are
+    /// the mean of machines that were not the same.
+    pub changed: Option<f64>,
 }
 
 impl ErrorModel {
@@ -102,6 +105,10 @@ impl ErrorModel {
             },
             uncertain: 0.0,
         });
+        let own = of.own();
+        let between = of.between();
+        let changed = between.as_ref().and_then(|between| of.changed(&own, between));
+        let scatter = between.filter(|_| changed.is_some());
         Some(Self {
             machine: machine.clone(),
             mountings: test.mountings().iter().map(|m| (m.name.clone(), m.mounting)).collect(),
@@ -110,10 +117,11 @@ impl ErrorModel {
             terms: campaign.terms.clone(),
             parameters,
             values: of.values(),
-            noise: of.noise(),
+            noise: of.noise(&own, scatter.as_ref()),
             open: of.covariance(|of| of.left_open.as_ref()),
             driven: of.covariance(|of| of.driven.as_ref()),
             held: of_file.chain(held(campaign, findings)).filter(Held::at_rest).collect(),
+            changed,
         })
     }
 
@@ -175,26 +183,30 @@ impl Means<'_> {
         (0..self.count).map(|k| self.mean(|of| of.values[k])).collect()
     }
 
-    fn noise(&self) -> Matrix {
+    /// Covariance of the mean: repeats do not scatter by less than they do.
+    fn noise(&self, own: &Matrix, scatter: Option<&Matrix>) -> Matrix {
         let in_common = |of: &SeenErrors| of.effects.as_ref().map_or(0, Matrix::columns);
         let width = self.seen.iter().map(in_common).min().unwrap_or(0);
         let common = Matrix::from_fn(self.count, width, |i, k| {
             self.mean(|of| of.effects.as_ref().map_or(0.0, |effects| effects[(i, k)]))
         });
         let repeats = self.repeats.len() as f64;
-        let each: Vec<Matrix> =
-            self.seen.iter().filter_map(|of| squared(of.effects.as_ref())).collect();
         let of_common = common.times_own_transpose();
-        let own = Matrix::from_fn(self.count, self.count, |i, k| {
-            let all = self.mean(|of| of.covariance[(i, k)]);
-            let shared = each.iter().map(|of| of[(i, k)]).sum::<f64>() / repeats;
-            all - shared
-        });
-        let between = self.between();
-        let scatter = between.as_ref().filter(|between| self.changed(&own, between));
         Matrix::from_fn(self.count, self.count, |i, k| {
             let scatter = scatter.map_or(0.0, |between| between[(i, k)]);
             (own[(i, k)] + scatter) / repeats + of_common[(i, k)]
+        })
+    }
+
+    /// Covariance of one repeat by its own noise, in the mean.
+    fn own(&self) -> Matrix {
+        let repeats = self.repeats.len() as f64;
+        let each: Vec<Matrix> =
+            self.seen.iter().filter_map(|of| squared(of.effects.as_ref())).collect();
+        Matrix::from_fn(self.count, self.count, |i, k| {
+            let all = self.mean(|of| of.covariance[(i, k)]);
+            let shared = each.iter().map(|of| of[(i, k)]).sum::<f64>() / repeats;
+            all - shared
         })
     }
 
@@ -209,12 +221,11 @@ impl Means<'_> {
         scatters.then(|| from_mean.times_own_transpose())
     }
 
-    /// Whether the repeats differ by more than their own noise makes.
-    fn changed(&self, own: &Matrix, between: &Matrix) -> bool {
-        (0..self.count).any(|k| {
-            let seen = self.repeats.iter().all(|of| of.estimates[k].observed > SEEN);
-            seen && between[(k, k)] > CHANGED.powi(2) * own[(k, k)]
-        })
+    /// By how many times their own noise the repeats differ at the most; `None` where that is within [`CHANGED`].
+    fn changed(&self, own: &Matrix, between: &Matrix) -> Option<f64> {
+        let seen = |k: &usize| self.repeats.iter().all(|of| of.estimates[*k].observed > SEEN);
+        let ratios = (0..self.count).filter(seen).map(|k| (between[(k, k)] / own[(k, k)]).sqrt());
+        ratios.filter(|ratio| *ratio > CHANGED && ratio.is_finite()).reduce(f64::max)
     }
 
     fn covariance<'b>(&'b self, of: impl Fn(&'b SeenErrors) -> Option<&'b Matrix>) -> Matrix {

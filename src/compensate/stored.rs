@@ -44,6 +44,9 @@ pub struct Stored {
     driven_covariance: Vec<f64>,
     /// Effects beside the parameters.
     effects: Vec<StoredEffect>,
+    /// By how many times their noise the repeats differ, where the machine changed between them.
+    #[serde(default)]
+    changed: Option<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -108,6 +111,7 @@ impl Stored {
             open_covariance: triangle(&model.open),
             driven_covariance: triangle(&model.driven),
             effects: model.held.iter().map(StoredEffect::of).collect(),
+            changed: model.changed,
         }
     }
 
@@ -176,6 +180,7 @@ impl Stored {
                 driven => covariance(driven, count, "driven_covariance")?,
             },
             held: self.effects.iter().map(StoredEffect::checked).collect::<Checked<_>>()?,
+            changed: self.changed.filter(|times| times.is_finite() && *times > 0.0),
         })
     }
 }

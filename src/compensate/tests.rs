@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::{ErrorModel, Field, Row, Stored};
-use crate::identify::{Answer, Asked, Campaign, Failure, ask};
+use crate::identify::{Answer, Asked, Campaign, Estimate, Failure, ask};
 use crate::machine::{Axis, Machine, Pose};
 use crate::plan::Test;
 
@@ -70,6 +70,33 @@ fn a_reversal_is_as_uncertain_as_where_it_is_asked_for() {
         assert!((sigmas.noise / noise - 1.0).abs() < 0.01, "{sigmas:?} {noise}");
         assert!((sigmas.all / all - 1.0).abs() < 0.01, "{sigmas:?} {all}");
     }
+}
+
+/// A reversal that is another one in the second repeat is told, with how far it moved in its noise.
+#[test]
+fn a_machine_that_changed_between_its_repeats_is_told() {
+    let (test, machine, mut campaign) = planar();
+    let errors = |campaign: &Campaign| ErrorModel::of(&test, &machine, campaign, None).unwrap();
+    assert_eq!(errors(&campaign).changed, None);
+    let of_x = |of: &Estimate| of.parameter.name == "TXXb";
+    let moved_mm = 0.01;
+    let reversal = campaign.repeats[1].estimates.iter_mut().find(|of| of_x(of)).unwrap();
+    reversal.value += moved_mm;
+    let changed = errors(&campaign);
+    let times = changed.changed.unwrap();
+    let squares: f64 = campaign
+        .repeats
+        .iter()
+        .map(|repeat| {
+            let of = repeat.estimates.iter().find(|of| of_x(of)).unwrap();
+            of.sigma.powi(2)
+        })
+        .sum();
+    let expected = moved_mm / 2_f64.sqrt() / (0.5 * squares).sqrt();
+    assert!((times / expected - 1.0).abs() < 0.1, "{times} {expected}");
+    let text = serde_json::to_string(&Stored::of(&changed)).unwrap();
+    let stored: Stored = serde_json::from_str(&text).unwrap();
+    assert_eq!(stored.of_machine(machine.clone()).unwrap().changed, Some(times));
 }
 
 #[test]

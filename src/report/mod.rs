@@ -60,9 +60,9 @@ pub use circular::facts::{
 pub use comparison::facts::comparison_json;
 pub use comparison::html::comparison_page;
 pub use comparison::terminal::comparison_text;
-pub use compensation::Compensated;
 pub use compensation::facts::compensation_json;
 pub use compensation::terminal::compensation_text;
+pub use compensation::{Compensated, changed_between_repeats};
 pub use design::facts::{proposal_json, unseen_of};
 pub use design::terminal::proposal_text;
 pub use diagnosis::facts::{DiagnosisFacts, FindingFacts};

@@ -39,6 +39,7 @@ pub fn compensation_json(told: &Compensated) -> Value {
         "volumetric_um": um(told.shrunk_mm[1]),
         "unknown_noise_um": um(told.unknown.noise),
         "unknown_all_um": um(told.unknown.all),
+        "repeats_over_noise": told.changed,
         "before": sizes(&of.left.before),
         "after": sizes(&of.left.after),
         "largest_correction_um": um(of.left.taken_mm),

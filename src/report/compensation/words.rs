@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::Compensated;
+use super::{Compensated, changed_between_repeats};
 use crate::compensate::{Control, OnePoint};
 use crate::report::text::numbers::{fixed, signed};
 
@@ -48,6 +48,7 @@ pub(super) fn verdict(told: &Compensated) -> Vec<String> {
         ),
         active(told),
     ];
+    sentences.extend(told.changed.map(changed_between_repeats));
     if left.after.rms_mm > 0.9 * left.before.rms_mm {
         sentences.push("This control takes hardly anything of it.".into());
     }
