@@ -120,6 +120,15 @@ impl Alignment {
         self.windows.par_chunks(AT_ONCE).flat_map_iter(laid).collect()
     }
 
+    /// Some of these samples, by their indices in order.
+    pub fn some_samples_by(&self, some: &[usize], following: &Following) -> Vec<Sample> {
+        let laid = |some: &[usize]| {
+            let windows = some.iter().map(|k| self.windows[*k]);
+            self.laid(windows, self.averaged > 1, following)
+        };
+        some.par_chunks(AT_ONCE).flat_map_iter(laid).collect()
+    }
+
     /// Every reading where the time map, as it is now, lays it.
     pub fn every_reading(&self) -> Vec<Sample> {
         self.laid(self.engaged.readings(&self.slips), false, &self.following(0.0))

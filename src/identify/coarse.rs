@@ -42,9 +42,12 @@ impl Fit<'_> {
     pub(super) fn find_facets(&mut self, look: Look) -> bool {
         let mut found = false;
         for run in &mut self.runs {
+            let before = run.alignment.time_map.clone();
             found |= facets::find(self.model, &self.state.values, run, look);
+            if run.alignment.time_map != before {
+                run.place();
+            }
         }
-        self.place();
         found
     }
 

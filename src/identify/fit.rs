@@ -1,7 +1,5 @@
 //! The joint fit of coefficients and time maps.
 
-use rayon::prelude::*;
-
 use super::columns::Columns;
 use super::facets::Look;
 use super::input::{Options, RunInput};
@@ -294,13 +292,8 @@ impl<'a> Fit<'a> {
         for (index, run) in self.runs.iter_mut().enumerate() {
             let own = &covariance.own[index];
             self.columns.state_uncertainty(index, &mut run.alignment.time_map, own);
+            run.state_sigmas();
         }
-        self.place();
-    }
-
-    /// Lays the samples of all runs anew, after their time maps have changed.
-    pub(super) fn place(&mut self) {
-        self.runs.par_iter_mut().for_each(RunInput::place);
     }
 
     /// Takes a step in coefficients and time maps.
@@ -343,7 +336,7 @@ impl<'a> Fit<'a> {
             }
             self.columns.state_uncertainty(index, map, &covariance.own[index]);
         }
-        self.place();
+        self.place_taken();
     }
 
     pub(super) fn refuse_deficient(&self, solution: &Solution) -> Result<()> {

@@ -108,13 +108,36 @@ impl RunInput {
 
     /// Lays the samples anew, after the time map has changed.
     pub(super) fn place(&mut self) {
+        self.follow();
+        self.samples = self.alignment.samples_by(&self.following[0]);
+        self.samples.iter_mut().for_each(|sample| sample.motion.run = self.number);
+    }
+
+    /// The same of some of them, by their indices in order; the others stay where they were.
+    pub(super) fn place_some(&mut self, some: &[usize]) {
+        self.follow();
+        let laid = self.alignment.some_samples_by(some, &self.following[0]);
+        for (&k, mut sample) in some.iter().zip(laid) {
+            sample.motion.run = self.number;
+            self.samples[k] = sample;
+        }
+    }
+
+    /// States how well their times are known, where nothing else of the time map has changed.
+    pub(super) fn state_sigmas(&mut self) {
+        let map = &self.alignment.time_map;
+        for sample in &mut self.samples {
+            sample.time_sigma_s = map.sigma_s(sample.log_s, sample.leg);
+        }
+    }
+
+    /// How the slides follow by the time map as it is now, and with the step of the time constant as it is now.
+    pub(super) fn follow(&mut self) {
         for (following, longer_s) in self.following.iter_mut().zip([0.0, self.following_step_s]) {
             // Worked out over all blocks: not again where only times have moved.
             if !self.alignment.follows(following, longer_s) {
                 *following = self.alignment.following(longer_s);
             }
         }
-        self.samples = self.alignment.samples_by(&self.following[0]);
-        self.samples.iter_mut().for_each(|sample| sample.motion.run = self.number);
     }
 }

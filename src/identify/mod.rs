@@ -39,6 +39,7 @@ mod measured;
 mod observability;
 mod otherwise;
 mod place;
+mod placed;
 mod prediction;
 mod preference;
 mod problem;

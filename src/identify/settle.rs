@@ -1,8 +1,6 @@
 //! Gauss-Newton: the steps of a fit until it comes to rest.
 
 use super::fit::{Fit, Outcome};
-use super::input::RunInput;
-use super::state::apart;
 use super::timing;
 use crate::align::TimeMap;
 use crate::error::{Error, Kind, Result};
@@ -29,6 +27,9 @@ const LATELY: usize = 5;
 const DOWNHILL_AFTER: usize = MOST_STEPS / 2;
 /// And after so many where the fit has come to rest before and only counts its readings otherwise: it is in the right valley.
 const DOWNHILL_AGAIN_AFTER: usize = LATELY;
+/// Where readings are chosen anew sums of squares do not compare, but no choice makes so many times more of what is left of one: such a
+/// step has taken readings over a reversal, and is halved like others. By trial: where none has, what is left grows by a sixth at most.
+const ASTRAY: f64 = 2.0;
 /// A place that is tried is given up where the linear problem leaves this much more there than it should while its readings are chosen.
 const HOPELESS: f64 = 1.05;
 /// And then a fit is at rest whose sum of squares the last steps together lowered by less than this, in units of the noise:
@@ -52,8 +53,8 @@ fn coming(earlier: f64, now: f64, choosing: bool) -> f64 {
 
 /// Where a fit stood before a step.
 struct Stand {
-    /// Root of the mean square of what was left of a reading there, in units of the noise.
-    misfit: f64,
+    /// Root of the mean square of what was left of a reading there, mm.
+    left_mm: f64,
     /// The step from there.
     step: Unknowns,
     /// The solution that it comes from.
@@ -81,12 +82,27 @@ impl Fit<'_> {
         detail: timing::Detail,
         most_mm: f64,
     ) -> Result<Outcome> {
+        let mut guard_s = detail.guard_s();
+        let outcome = self.descend(detail, most_mm, &mut guard_s)?;
+        self.place_others(guard_s);
+        Ok(outcome)
+    }
+
+    /// The steps themselves. Only readings that take part are laid anew after each; what was kept from reversals in the end, s, is
+    /// told.
+    fn descend(
+        &mut self,
+        detail: timing::Detail,
+        most_mm: f64,
+        guard_s: &mut f64,
+    ) -> Result<Outcome> {
         let downhill_after = if self.state.bent { DOWNHILL_AGAIN_AFTER } else { DOWNHILL_AFTER };
         let mut kept: Option<Stand> = None;
         // And whether no part of a step leads down.
         let (mut halvings, mut stuck) = (0, false);
         let mut before: Option<Unknowns> = None;
-        let mut misfits: Vec<f64> = Vec::new();
+        // What was left of a reading lately, mm.
+        let mut lately_mm: Vec<f64> = Vec::new();
         let mut last_scatter = f64::INFINITY;
         let mut chosen_s = Vec::new();
         // So far the times may move before samples are chosen anew.
@@ -97,6 +113,7 @@ impl Fit<'_> {
             // from settling. One that has gone over a reversal is on the wrong side of it, and does not come back.
             let moved_s = self.moved_s(&chosen_s);
             let choosing = wary || steps <= CHOOSING_STEPS || moved_s > held_s;
+            let mut compares = true;
             if choosing {
                 let was_wary = wary;
                 let came_to_rest = wary && (stuck || steps > FINDING_STEPS && moved_s < MOVES_S);
@@ -104,43 +121,44 @@ impl Fit<'_> {
                 wary = wary && !came_to_rest && steps < downhill_after;
                 // Times that hardly anything tells go to and fro for ever: what is kept from reversals is then so much that they may.
                 let restless = steps > downhill_after;
-                let guard_s = self.guard_s(detail, wary || restless);
-                held_s = if restless { guard_s } else { detail.guard_s() };
-                self.choose(guard_s, wary || came_to_rest || steps <= CHOOSING_STEPS);
-                // Chosen by another rule they are other readings, and do not compare.
-                if was_wary != wary || steps <= CHOOSING_STEPS {
-                    kept = None;
-                    misfits.clear();
-                }
+                *guard_s = self.guard_s(detail, wary || restless);
+                held_s = if restless { *guard_s } else { detail.guard_s() };
+                self.choose(*guard_s, wary || came_to_rest || steps <= CHOOSING_STEPS);
+                // Chosen by another rule they are other readings.
+                compares = was_wary == wary && steps > CHOOSING_STEPS;
                 chosen_s = self.times_s();
             }
             let rows = self.factor(detail)?;
             let count = self.counted(&rows);
-            let misfit = rows.rhs_norm() / count.sqrt();
+            let counts_mm = self.state.counts_mm();
+            let left_mm = counts_mm * rows.rhs_norm() / count.sqrt();
             // Of as many readings as take part now: some may have been left out since.
-            let above = |earlier: f64| count * (earlier.powi(2) - misfit.powi(2));
-            // What the last step lowered the sum of squares by.
-            let gained = kept.as_ref().map(|stand| above(stand.misfit));
+            let above = |earlier_mm: f64| {
+                count * (earlier_mm.powi(2) - left_mm.powi(2)) / counts_mm.powi(2)
+            };
             let negligible = (NEGLIGIBLE * self.state.correlated).powi(2);
             let remembered = if steps > downhill_after { 1 } else { LATELY };
-            let lately = misfits.iter().rev().take(remembered).copied().fold(0.0, f64::max);
-            let worse = -above(lately) > negligible;
+            let highest_mm = lately_mm.iter().rev().take(remembered).copied().fold(0.0, f64::max);
+            let worse = if compares {
+                -above(highest_mm) > negligible
+            } else {
+                kept.as_ref().is_some_and(|stand| left_mm > ASTRAY * stand.left_mm)
+            };
+            if !compares {
+                lately_mm.clear();
+                kept = kept.filter(|_| worse);
+            }
+            // What the last step lowered the sum of squares by.
+            let gained = kept.as_ref().map(|stand| above(stand.left_mm));
             if let Some(stand) = kept.take_if(|_| worse) {
-                // A time that steps over a vertex of the path comes back with the next step, and so for ever: less far.
-                let enough = if stand.near { MOST_HALVINGS } else { NO_WAY_DOWN };
-                if halvings >= enough {
-                    self.stand_at(&stand);
-                    if !wary {
-                        return Ok(self.settled(stand, steps));
-                    }
+                if self.less_far(&stand, &mut halvings) {
+                    lately_mm.resize(lately_mm.len().max(1), stand.left_mm);
+                    kept = Some(stand);
+                } else if wary {
                     (halvings, stuck) = (0, true);
-                    continue;
+                } else {
+                    return Ok(self.settled(stand, steps));
                 }
-                self.recall(&stand);
-                halvings += 1;
-                let share = 0.5_f64.powi(halvings);
-                self.apply(&stand.step.times(share), &stand.solution);
-                kept = Some(stand);
                 continue;
             }
             let solution = self.solve(&rows)?;
@@ -153,27 +171,26 @@ impl Fit<'_> {
             }
             let solution = self.held_within_bounds(&rows, solution)?;
             let step = solution.unknowns().clone();
-            let change = rows.change(&step);
             // Rows are in units of the assumed noise: their rms corrects it.
             let scatter = self.state.correlated * solution.shared().residual_norm() / count.sqrt();
             let coming = coming(std::mem::replace(&mut last_scatter, scatter), scatter, choosing);
             if steps > FINDING_STEPS && self.state.sigma_mm * coming > most_mm {
                 return Err(Error::new(Kind::Undetermined, "more is left than elsewhere"));
             }
-            let before_lately = misfits.len().checked_sub(LATELY).map(|k| misfits[k]);
+            let before_lately = lately_mm.len().checked_sub(LATELY).map(|k| lately_mm[k]);
             let rests = steps > downhill_after
                 && before_lately.is_some_and(|earlier| above(earlier) < HARDLY);
             let gains_nothing =
                 rests || !choosing && gained.is_some_and(|g| g.abs() < negligible) && halvings == 0;
             halvings = 0;
-            let [near, enough] = comes_near(detail, change, scatter, count);
+            let [near, enough] = comes_near(detail, rows.change(&step), scatter, count);
             // To and fro, over a vertex or from one choice of samples to the next, is told by the steps themselves.
             let step = match &before {
                 Some(last) if takes_back(&rows, last, &step) => step.times(0.5),
                 _ => step,
             };
             before = Some(step.clone());
-            let stand = self.stand(misfit, step, solution, scatter, near);
+            let stand = self.stand(left_mm, step, solution, scatter, near);
             self.apply(&stand.step, &stand.solution);
             if !wary && (gains_nothing || enough) {
                 return Ok(self.settled(stand, steps));
@@ -187,10 +204,8 @@ impl Fit<'_> {
                 self.state.sigma_mm =
                     (self.state.sigma_mm * scatter).max(1e-3 * self.options.noise_mm);
             }
-            if steps >= CHOOSING_STEPS {
-                misfits.push(stand.misfit);
-                kept = Some(stand);
-            }
+            lately_mm.push(stand.left_mm);
+            kept = Some(stand);
         }
         // The last steps may have been halved.
         let Some(stand) = kept.filter(|stand| stand.near) else { return Err(unsettled()) };
@@ -198,21 +213,25 @@ impl Fit<'_> {
         Ok(self.hardly_settled(stand, detail))
     }
 
+    /// Takes half as much of a step as before, from where it began; whether there is less to take, or it stands there again.
+    fn less_far(&mut self, stand: &Stand, halvings: &mut i32) -> bool {
+        // A time that steps over a vertex of the path comes back with the next step, and so for ever.
+        let enough = if stand.near { MOST_HALVINGS } else { NO_WAY_DOWN };
+        if *halvings >= enough {
+            self.stand_at(stand);
+            return false;
+        }
+        self.recall(stand);
+        *halvings += 1;
+        self.apply(&stand.step.times(0.5_f64.powi(*halvings)), &stand.solution);
+        true
+    }
+
     /// What is kept from reversals, s: warily or not. Until it is known how neighbours err alike, times are less certain than they
     /// seem.
     fn guard_s(&self, detail: timing::Detail, wary: bool) -> f64 {
         let unweighed = self.state.knows() && !self.state.bent;
         if wary || unweighed { WARY_S.max(detail.guard_s()) } else { detail.guard_s() }
-    }
-
-    /// Chooses which samples take part as times are now: all anew, or none that was left out before.
-    fn choose(&mut self, guard_s: f64, anew: bool) {
-        let chosen = apart(&self.runs, guard_s);
-        if anew {
-            self.state.apart = chosen;
-        } else {
-            self.state.leave_out(&chosen);
-        }
     }
 
     /// Holds the slides of runs that would follow ahead of time, if they do not follow late already; whether any were
@@ -268,34 +287,23 @@ impl Fit<'_> {
         }
     }
 
-    /// Program time of every sample as it is laid now, s.
-    fn times_s(&self) -> Vec<f64> {
-        self.runs.iter().flat_map(RunInput::samples).map(|sample| sample.program_s).collect()
-    }
-
-    /// The farthest that any sample has moved since it was laid at these times, s.
-    fn moved_s(&self, since_s: &[f64]) -> f64 {
-        let samples = self.runs.iter().flat_map(RunInput::samples).zip(since_s);
-        samples.map(|(now, since_s)| (now.program_s - since_s).abs()).fold(0.0, f64::max)
-    }
-
     /// Where the fit stands now, with the step that it is about to take.
     fn stand(
         &self,
-        misfit: f64,
+        left_mm: f64,
         step: Unknowns,
         solution: BorderedSolution,
         scatter: f64,
         near: bool,
     ) -> Stand {
         let maps = self.runs.iter().map(|run| run.alignment.time_map.clone()).collect();
-        Stand { misfit, step, solution, scatter, near, values: self.state.values.clone(), maps }
+        Stand { left_mm, step, solution, scatter, near, values: self.state.values.clone(), maps }
     }
 
     /// Goes back to where it stood.
     fn stand_at(&mut self, stand: &Stand) {
         self.recall(stand);
-        self.place();
+        self.place_taken();
     }
 
     /// The coefficients and times of where it stood, to take another step from there: the samples are laid after that.

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
+
 use super::across::Across;
 use super::fit::{Fit, Outcome};
 use super::input::RunInput;
@@ -165,7 +167,7 @@ impl Fit<'_> {
         }
         let held = self.runs.iter_mut().zip(&self.state.at_once).filter(|(_, at_once)| **at_once);
         held.for_each(|(run, _)| run.consider_lag(most_s));
-        self.place();
+        self.runs.par_iter_mut().for_each(RunInput::follow);
     }
 
     /// How the coefficients err where the slides of all runs whose lag the readings do not tell follow later by what is plausible:
