@@ -3,6 +3,7 @@
 
 use super::account::costs;
 use super::account::gain::{self, Gains};
+use super::choose::exact;
 use super::choose::extend::{self, Extended};
 use super::choose::found::Chosen;
 use super::choose::run::{self, Again};
@@ -56,6 +57,7 @@ impl Standing {
         // What left the least by itself, and how much; looks may lead from there to nothing.
         let mut least: Option<(f64, Chosen)> = None;
         let mut looking = true;
+        let mut held_against_rivals = false;
         let mut settled = false;
         loop {
             let extended = match &chosen {
@@ -100,6 +102,14 @@ impl Standing {
                 && let Some((_, best)) = least.take().filter(|_| looking)
             {
                 (chosen, looking) = (Some(best), false);
+                continue;
+            }
+            if let (Some(from), Some(now)) = (&chosen, &extended)
+                && !std::mem::replace(&mut held_against_rivals, true)
+                && let Some(likelier) =
+                    exact::likelier(test, machine, (campaign, &searched.alone()), from, now)?
+            {
+                chosen = Some(likelier);
                 continue;
             }
             // What a run that took no part speaks against is taken out, and all is extended again: one step.

@@ -57,4 +57,16 @@ impl Chosen {
         let fitted = if kept.is_empty() { None } else { residual::fit(alone, elements) }?;
         Some(Self { fitted, rivals: kept.iter().map(|&k| self.rivals[k].clone()).collect() })
     }
+
+    /// With a rival in the place of one of the effects, the effect among its rivals; `None` where they cannot be fitted.
+    pub(crate) fn instead(&self, effect: usize, rival: usize, alone: &Beside) -> Option<Self> {
+        let mut elements = self.fitted.elements.clone();
+        let mut rivals = self.rivals.clone();
+        let Rival { element, share, separation } = rivals[effect][rival].clone();
+        let own = std::mem::replace(&mut elements[effect], element);
+        let fitted = residual::fit(alone, elements)?;
+        rivals[effect].iter_mut().for_each(|other| other.share /= share);
+        rivals[effect][rival] = Rival { element: own, share: share.recip(), separation };
+        Some(Self { fitted, rivals })
+    }
 }

@@ -1,5 +1,6 @@
 //! What is there: settings put right, effects chosen beside each other, the model extended by them.
 
+pub(super) mod exact;
 pub(super) mod extend;
 pub(super) mod found;
 mod pair;

@@ -24,7 +24,7 @@ const CLOSELY: usize = 10;
 const WORTH_A_LOOK: f64 = 0.4;
 /// What is looked for about the model with the effects that are chosen, as a share of what they explain: a search is linear, and about
 /// the model without them this much may be theirs. By trial: 10 % of their rms, of a ball that has moved by 0.18 mm four curves of 5 %.
-const NOT_LINEAR: f64 = 1e-2;
+pub(super) const NOT_LINEAR: f64 = 1e-2;
 /// Nothing is looked at closely where the best candidate explains less than this share of what counts: the look
 /// over bins is no worse than that.
 const NEAR_WHAT_COUNTS: f64 = 0.5;
