@@ -17,6 +17,8 @@ use crate::toml_text::FARTHEST_MM;
 const MOST_PARAMETERS: usize = 600;
 /// Mountings, terms, effects and knots at the most.
 const MOST: usize = 1000;
+/// Repeats of one test do not differ by more than this many times their noise: a metre, of a nanometre.
+const MOST_TIMES: f64 = 1e9;
 /// No parameter is larger, mm and rad.
 const LARGEST: f64 = 1e3;
 
@@ -180,7 +182,10 @@ impl Stored {
                 driven => covariance(driven, count, "driven_covariance")?,
             },
             held: self.effects.iter().map(StoredEffect::checked).collect::<Checked<_>>()?,
-            changed: self.changed.filter(|times| times.is_finite() && *times > 0.0),
+            changed: match self.changed {
+                Some(times) => Some(least(times, MOST_TIMES, "changed")?),
+                None => None,
+            },
         })
     }
 }

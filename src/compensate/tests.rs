@@ -113,6 +113,7 @@ fn numbers_that_cannot_be_are_refused() {
         ("/noise_covariance", serde_json::json!([1.0]), "no lower triangle"),
         ("/mountings", serde_json::json!([]), "no `mountings`"),
         ("/terms/0", serde_json::json!("gravity"), "gravity"),
+        ("/changed", serde_json::json!(-6.0), "`changed` is -6; it goes from 0"),
     ] {
         let mut bad = good.clone();
         *bad.pointer_mut(pointer).unwrap() = value;

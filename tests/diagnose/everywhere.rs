@@ -174,10 +174,7 @@ fn in_one_run_of_one_plane_two_effects_are_named() {
 #[test]
 fn a_dent_is_told_over_the_place_where_it_is() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/dent");
-    let test = Test::read(&folder.join("test.toml")).unwrap();
-    let machine = test.machine().unwrap();
-    let campaign = Campaign::of(&test, &machine, Failure::Refuse, &|| ()).unwrap();
-    let diagnosis = diagnose(&test, &machine, &campaign).unwrap();
+    let (_, _, diagnosis) = judge::diagnosed(&Test::read(&folder.join("test.toml")).unwrap());
     let [dent] = &diagnosis.findings[..] else { panic!("{:?}", diagnosis.findings) };
     let curve = dent.element.curve().unwrap();
     assert_eq!(curve.variable, Variable::Position(Axis::Z), "{curve:?}");
