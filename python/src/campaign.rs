@@ -94,7 +94,7 @@ impl Campaign {
 
     #[getter]
     fn cautions(&self) -> Vec<String> {
-        self.of.campaign().cautions()
+        self.of.campaign().cautions(self.of.test(), self.of.machine())
     }
 
     /// How long the library took, s; NaN of a campaign that came of a diagnosis.

@@ -122,7 +122,7 @@ impl Identification {
 
     #[getter]
     fn cautions(&self) -> Vec<String> {
-        self.result().cautions.clone()
+        self.result().cautions(self.of.machine(), self.of.test().estimation().loss)
     }
 
     /// Standard deviation of the noise of a reading, um.

@@ -35,7 +35,7 @@ impl Arguments {
         let identified = identified.diagnosed(talk)?;
         let own = identified.own(common)?;
         let analysis = identified.analysis_in(&own);
-        for caution in identified.campaign.cautions() {
+        for caution in identified.campaign.cautions(&identified.test, &identified.machine) {
             talk.say(&format!("caution: {caution}"));
         }
         let facts = analysis.diagnosis.as_ref().ok_or_else(|| {

@@ -273,11 +273,13 @@ impl Campaign {
     }
 
     /// What speaks against the fits, none of it twice.
-    pub fn cautions(&self) -> Vec<String> {
+    pub fn cautions(&self, test: &Test, machine: &Machine) -> Vec<String> {
+        let loss = test.estimation().loss;
         let mut told: Vec<String> = self.copied().into_iter().collect();
-        for caution in self.repeats.iter().flat_map(|repeat| &repeat.cautions) {
-            if !told.contains(caution) {
-                told.push(caution.clone());
+        let each = self.repeats.par_iter().map(|repeat| repeat.cautions(machine, loss));
+        for caution in each.collect::<Vec<_>>().concat() {
+            if !told.contains(&caution) {
+                told.push(caution);
             }
         }
         told.extend(self.turning_far_off().into_iter().map(|(_, caution)| caution));

@@ -1,9 +1,8 @@
 //! What speaks against a fit that came out all the same.
 
-use super::input::Options;
 use super::record::Record;
-use super::result::{IdentifiedRun, LittleExplained};
-use super::unexplained::{self, Unexplained};
+use super::result::{Identification, IdentifiedRun, LittleExplained};
+use super::unexplained;
 use crate::align::{Alignment, Slip};
 use crate::machine::{Axis, Machine};
 use crate::solve;
@@ -21,54 +20,57 @@ const PLACES: usize = 64;
 /// In units of the robust scale.
 const FAR_OFF: f64 = 10.0;
 
-/// Sentences, each with what was found and what may have caused it; none where nothing was.
-pub(super) fn cautions(
-    runs: &[IdentifiedRun],
-    machine: &Machine,
-    rms_mm: f64,
-    left: &Unexplained,
-    options: &Options,
-    settled: bool,
-) -> Vec<String> {
-    let of_run = |run: &IdentifiedRun| {
-        step(&run.name, &run.alignment).or_else(|| short(&run.name, &run.alignment))
-    };
-    let mut cautions: Vec<String> = runs.iter().filter_map(of_run).collect();
-    cautions.extend(runs.iter().find_map(|run| beyond_travel(run, machine)));
-    cautions.extend(runs.iter().flat_map(of_log));
-    cautions.extend(runs.iter().flat_map(slipped));
-    cautions.extend(runs.iter().flat_map(cut_off));
-    cautions.extend(runs.iter().filter_map(other_runs));
-    if runs.iter().any(IdentifiedRun::holds_pace) {
-        cautions.push("where the fit also looks for the feed it does not settle, or takes one that engagement and release of the bar do not allow, and it was held to one that they do: the machine did something in a run that no chosen term describes, or a log may be of another program".to_owned());
+impl Identification {
+    /// What speaks against the result, each in a sentence with what was found and what may have caused it; none where nothing does.
+    /// The machine is that of the model, and far-off readings were weighed by this loss.
+    pub fn cautions(&self, machine: &Machine, loss: Loss) -> Vec<String> {
+        let runs = &self.runs;
+        let of_run = |run: &IdentifiedRun| {
+            step(&run.name, &run.alignment).or_else(|| short(&run.name, &run.alignment))
+        };
+        let mut cautions: Vec<String> = runs.iter().filter_map(of_run).collect();
+        cautions.extend(runs.iter().find_map(|run| beyond_travel(run, machine)));
+        cautions.extend(runs.iter().flat_map(of_log));
+        cautions.extend(runs.iter().flat_map(slipped));
+        cautions.extend(runs.iter().flat_map(cut_off));
+        cautions.extend(runs.iter().filter_map(other_runs));
+        if runs.iter().any(IdentifiedRun::holds_pace) {
+            cautions.push("where the fit also looks for the feed it does not settle, or takes one that engagement and release of the bar do not allow, and it was held to one that they do: the machine did something in a run that no chosen term describes, or a log may be of another program".to_owned());
+        }
+        let far_off = far_off(runs);
+        if far_off > 0 && loss == Loss::Off {
+            cautions.push(format!(
+                "{far_off} reading(s) lie farther off than {FAR_OFF:.0} times what is usual here and pull the fit with all their weight; `loss = \"huber\"` or `\"tukey\"` in `[identify]` takes it from them"
+            ));
+        }
+        cautions.extend(self.leaves_much());
+        cautions
     }
-    let far_off = far_off(runs);
-    if far_off > 0 && options.loss == Loss::Off {
-        cautions.push(format!(
-            "{far_off} reading(s) lie farther off than {FAR_OFF:.0} times what is usual here and pull the fit with all their weight; `loss = \"huber\"` or `\"tukey\"` in `[identify]` takes it from them"
-        ));
-    }
-    if unexplained::is_much(rms_mm) && !settled {
-        cautions.push(format!(
-            "the fit has not come to rest and leaves {:.2} um rms: a log may be of another program",
-            1e3 * rms_mm
-        ));
-    } else if let Some(times) = left.beyond_chance {
-        cautions.push(if left.little.is_empty() {
+
+    /// That it leaves much, where it does.
+    fn leaves_much(&self) -> Option<String> {
+        let left_um = 1e3 * self.rms_mm;
+        if unexplained::is_much(self.rms_mm) && !self.settled {
+            return Some(format!(
+                "the fit has not come to rest and leaves {left_um:.2} um rms: a log may be of another program"
+            ));
+        }
+        let times = self.beyond_chance?;
+        if self.little_explained.is_empty() {
+            return Some(format!(
+                "the model leaves {left_um:.2} um rms, which is {times:.0} times what one reading differs from the next by chance: the machine does what no chosen term describes"
+            ));
+        }
+        let of_run = |of: &LittleExplained| {
+            let [left_um, by_set_up_um] = [of.left_mm, of.by_set_up_mm].map(|mm| 1e3 * mm);
             format!(
-                "the model leaves {:.2} um rms, which is {times:.0} times what one reading differs from the next by chance: the machine does what no chosen term describes",
-                1e3 * rms_mm
+                "{}: the model leaves {left_um:.2} um rms where a set-up alone would leave {by_set_up_um:.2}",
+                of.run
             )
-        } else {
-            let of_run = |of: &LittleExplained| {
-                let [left_um, by_set_up_um] = [of.left_mm, of.by_set_up_mm].map(|mm| 1e3 * mm);
-                format!("{}: the model leaves {left_um:.2} um rms where a set-up alone would leave {by_set_up_um:.2}", of.run)
-            };
-            let of_runs: Vec<String> = left.little.iter().map(of_run).collect();
-            format!("{}: a log may be of another program or of another test", of_runs.join("; "))
-        });
+        };
+        let of_runs: Vec<String> = self.little_explained.iter().map(of_run).collect();
+        Some(format!("{}: a log may be of another program or of another test", of_runs.join("; ")))
     }
-    cautions
 }
 
 fn step(run: &str, alignment: &Alignment) -> Option<String> {

@@ -130,8 +130,8 @@ pub struct Identification {
     pub used: usize,
     /// Gauss-Newton steps.
     pub steps: usize,
-    /// What speaks against the result, in sentences.
-    pub cautions: Vec<String>,
+    /// Whether the fit came to rest.
+    pub(super) settled: bool,
 }
 
 impl Identification {

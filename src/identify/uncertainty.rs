@@ -11,7 +11,7 @@ use super::record::Record;
 use super::result::{Estimate, Identification, IdentifiedRun};
 use super::state::State;
 use super::unexplained::Unexplained;
-use super::{cautions, residuals, timing};
+use super::{residuals, timing};
 use crate::align::{FOLLOWING_S, Sample};
 use crate::error::Result;
 use crate::solve::{self, Autocovariances, BorderedSolution, Matrix, NoiseModel};
@@ -87,11 +87,9 @@ impl Fit<'_> {
         let options = self.options;
         let counts_mm = self.state.counts_mm();
         let settled = self.state.settled;
-        let machine = self.model.machine();
         let across = Across::of(self.model, &self.runs);
         let runs = self.identified(&left_mm, &noise);
         let left = Unexplained::of(&runs, rms_mm, &noise, options);
-        let cautions = cautions::cautions(&runs, machine, rms_mm, &left, options, settled);
         Ok(Identification {
             estimates,
             across,
@@ -111,7 +109,7 @@ impl Fit<'_> {
             rms_mm,
             used: used.len(),
             steps,
-            cautions,
+            settled,
         })
     }
 

@@ -88,6 +88,11 @@ impl Set {
         identify::identify(&self.model(), runs, &options)
     }
 
+    /// What speaks against a fit of it.
+    pub(crate) fn cautions(&self, found: &Identification) -> Vec<String> {
+        found.cautions(&self.machine, self.test.estimation().loss)
+    }
+
     /// Every repeat of the test file, in order.
     pub(crate) fn repeats(&self) -> Vec<Identification> {
         let runs = self.test.runs().unwrap();

@@ -95,13 +95,10 @@ fn what_was_put_in_comes_out() {
                 1e6 * map.rate_sigma,
                 1e3 * found.rms_mm
             );
+            let cautions = set.cautions(found);
             hold(&format!("{run}: rms of time, ms"), rms(&errors), if stops { 0.7 } else { 1.0 });
             hold(&format!("{run}: worst time, ms"), worst, 3.0);
-            hold(
-                &format!("{run}: cautions {:?}", found.cautions),
-                found.cautions.len() as f64,
-                0.0,
-            );
+            hold(&format!("{run}: cautions {cautions:?}"), cautions.len() as f64, 0.0);
             hold(&format!("{run}: clock, sigma"), clock_ppm.abs() / (1e6 * map.rate_sigma), 4.0);
             hold(&format!("{run}: residual over floor"), ratio, 1.005);
         }

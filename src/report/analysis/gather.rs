@@ -76,7 +76,7 @@ impl Analysis {
             cautions: Vec::new(),
         };
         // What speaks against the fit itself comes before what speaks for caution in reading it.
-        let of_fits = campaign.cautions();
+        let of_fits = campaign.cautions(test, machine);
         let implausible = identifications.first().and_then(place::implausible);
         analysis.cautions =
             of_fits.into_iter().chain(implausible).chain(cautions::of(&analysis)).collect();
