@@ -22,7 +22,7 @@ use recording::{Recording, Row, rests};
 
 /// How much faster than time the planner is driven, one attempt after the other. Where others compute, its task
 /// may feed its queue too late: the path stops inside an arc, and that attempt counts for nothing.
-const SPEEDUPS: [u32; 6] = [20, 10, 5, 2, 1, 1];
+const SPEEDUPS: [u32; 6] = [50, 20, 5, 2, 1, 1];
 
 /// Duration of all motion (s), from the first to the last: dwells after it are not seen from outside.
 fn motion_s(trajectory: &Trajectory) -> f64 {
