@@ -102,6 +102,18 @@ fn a_knob_that_stood_elsewhere() {
     assert_eq!(found["off_times"].as_array().unwrap().len(), 2);
 }
 
+/// Not at a whole percent, and farther off than any clock.
+#[test]
+fn a_knob_between_two_marks() {
+    let work = two_feeds();
+    let (found, text) = diagnosed("test.toml", "feed-override:percent=98.5", &work);
+    assert!(text.contains("`feed_override_percent = 98.5`"), "{text}");
+    for off in found["off_times"].as_array().unwrap() {
+        assert_eq!(off["cause"], "feed-override", "{off}");
+    }
+    assert_eq!(found["off_times"].as_array().unwrap().len(), 2);
+}
+
 #[test]
 fn a_clock_that_runs_wrong() {
     let work = two_feeds();

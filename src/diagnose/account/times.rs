@@ -10,6 +10,9 @@ use crate::plan::Test;
 
 /// A knob stands at whole percents: so near to one, the feed is the likelier reason, percent.
 const WHOLE_PERCENT: f64 = 0.05;
+/// A clock that is off by more than so many times what the test file allows is none: a quartz is within 100 parts per million, and a
+/// computer that stamps the samples within 1000.
+const NO_CLOCK: f64 = 10.0;
 /// A factor within so many standard deviations of 1 is none: 1 in 370 by chance.
 const SIGMAS: f64 = 3.0;
 
@@ -34,16 +37,17 @@ pub struct OffTime {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OffCause {
-    /// The override: it stood at a whole percent, as a knob does.
+    /// The override: it stood at a whole percent, as a knob does, or no clock is so far off.
     FeedOverride,
     /// The clock.
     Clock,
 }
 
 impl OffCause {
-    fn of(stated_percent: f64, percent: f64, sigma_percent: f64) -> Self {
-        let whole = (percent - percent.round()).abs() < WHOLE_PERCENT + sigma_percent;
-        if whole && (percent - stated_percent).abs() > 0.5 {
+    /// Of a feed in percent; the clock would be off by so many times what the test file allows.
+    fn of(stated: f64, percent: f64, sigma: f64, clock_off: f64) -> Self {
+        let whole = (percent - percent.round()).abs() < WHOLE_PERCENT + sigma;
+        if whole && (percent - stated).abs() > 0.5 || clock_off.abs() > NO_CLOCK {
             Self::FeedOverride
         } else {
             Self::Clock
@@ -68,13 +72,15 @@ pub(crate) fn off(test: &Test, campaign: &Campaign) -> Vec<OffTime> {
         let share = total.feed_s / total.known_s().max(1e-9);
         let percent = stated_percent * (1.0 + excess);
         let sigma_percent = stated_percent * sigma;
+        let clock = map.rate + excess * share;
+        let clock_off = clock / test.ball_bar().clock_tolerance;
         OffTime {
             run: run.name.clone(),
             stated_percent,
             percent,
             sigma_percent,
-            clock_ppm: 1e6 * (map.rate + excess * share),
-            cause: OffCause::of(stated_percent, percent, sigma_percent),
+            clock_ppm: 1e6 * clock,
+            cause: OffCause::of(stated_percent, percent, sigma_percent, clock_off),
         }
     })
     .collect()
