@@ -8,6 +8,7 @@ use super::campaign::Campaign;
 use super::fit::{identify, identify_on, leaves_mm};
 use super::input::Options;
 use super::result::Identification;
+use super::settle::HARDLY;
 use crate::error::Result;
 use crate::machine::Machine;
 use crate::model::{HeldEffect, Model};
@@ -29,8 +30,8 @@ impl Campaign {
     }
 
     /// The same repeats identified with effects held beside the terms, one list a repeat: from the beginning, as what was missing
-    /// may have led its times astray. Where that leaves more than without the effects, it is what has gone astray; from where the
-    /// repeat came to rest without them it may leave less.
+    /// may have led its times astray. Where that leaves more than without the effects, by more than two fits at rest do, it is what has
+    /// gone astray; from where the repeat came to rest without them it may leave less.
     ///
     /// # Errors
     /// When a repeat cannot be identified so.
@@ -42,7 +43,11 @@ impl Campaign {
     ) -> Result<Self> {
         self.held_by(test, machine, held, &|model, repeat, options| {
             let afresh = identify(model, repeat.afresh(), options);
-            if afresh.as_ref().is_ok_and(|fit| fit.rms_mm <= repeat.rms_mm) {
+            let more_mm2 = |fit: &Identification| {
+                repeat.used as f64 * (fit.rms_mm.powi(2) - repeat.rms_mm.powi(2))
+            };
+            let rests_mm2 = HARDLY * repeat.counts_mm.powi(2);
+            if afresh.as_ref().is_ok_and(|fit| more_mm2(fit) < rests_mm2) {
                 return afresh;
             }
             match (afresh, identify_on(model, repeat.again(), repeat, options)) {

@@ -34,7 +34,7 @@ const ASTRAY: f64 = 2.0;
 const HOPELESS: f64 = 1.05;
 /// And then a fit is at rest whose sum of squares the last steps together lowered by less than this, in units of the noise:
 /// what the noise moves a single parameter by.
-const HARDLY: f64 = 1.0;
+pub(super) const HARDLY: f64 = 1.0;
 /// As long as a step moves any time by this much, s, the samples that take part are chosen anew, and warily: a control
 /// may do everything this much later than planned, and a sample on the wrong side of a reversal pulls its time there.
 const MOVES_S: f64 = 0.005;
