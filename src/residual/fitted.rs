@@ -4,6 +4,7 @@ use super::beside::Beside;
 use super::column::Column;
 use super::element::Element;
 use super::residuals::Residuals;
+use crate::model::{Scale, Start};
 use crate::solve::Matrix;
 
 /// Effects with everything that was estimated of them.
@@ -82,6 +83,22 @@ impl Fitted {
         let amplitudes: usize = self.amplitudes.iter().map(Vec::len).sum();
         let before = self.elements[..element].iter().filter(|e| e.free().is_some()).count();
         Some(amplitudes + before)
+    }
+
+    /// Whether the number inside of each element that has one on a scale of logarithms is told, where noise has this long-run variance:
+    /// to within a factor of `e`, a standard deviation. Backlash that builds up over a distance that may be anything is a reversal,
+    /// and that is in the model. A time constant may be as long as it likes: a drift is a straight line then.
+    pub fn tells_numbers(&self, long_run_mm2: f64) -> bool {
+        let is_told = |element: usize| {
+            let inner = self.elements[element].shape().and_then(|s| s.cause.inner(s.seat));
+            let logarithmic = inner.is_some_and(|(inner, _)| {
+                inner.scale == Some(Scale::Logarithm)
+                    && !matches!(inner.start, Start::TimeConstants(..))
+            });
+            let Some(k) = self.inner_index(element).filter(|_| logarithmic) else { return true };
+            long_run_mm2 * self.inverse[(k, k)] < 1.0
+        };
+        (0..self.elements.len()).all(is_told)
     }
 
     /// Where the amplitudes of an element begin in `inverse`.

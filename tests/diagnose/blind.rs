@@ -233,3 +233,14 @@ fn a_large_effect_lends_nothing_to_causes_in_place_of_a_curve() {
     let texts: Vec<&str> = curves.map(|found| found.text.as_str()).collect();
     assert!(texts.len() == 1 && texts[0].contains("over velocity of Y"), "{outcome:?}");
 }
+
+/// A backlash that grows along Y is in one plane a rotation of Y that reverses, 0.5 m from its pivot: named as one that builds up over
+/// a distance of nothing it left the lateral play 82 um from the truth.
+#[test]
+fn what_builds_up_over_no_distance_is_a_reversal() {
+    let outcome = is_right(108, Class::Single, 71);
+    let [only] = outcome.judgement.found.as_slice() else { panic!("{outcome:?}") };
+    assert_eq!(only.cause, Some("growing-backlash"), "{}", only.text);
+    let far = outcome.off_by.iter().filter(|of| of.alls.abs() > 3.0).count();
+    assert_eq!(far, 0, "{:?}", outcome.off_by);
+}

@@ -253,7 +253,8 @@ pub(super) fn closely(
         let score_mm2 = fitted.gain_mm2 - noise.by_chance_mm2(fitted.columns.len());
         Tried { fitted, score_mm2 }
     };
-    let mut tried: Vec<Tried> = fitted.into_iter().map(score).collect();
+    let is_told = |fitted: &Fitted| fitted.tells_numbers(noise.long_run_mm2);
+    let mut tried: Vec<Tried> = fitted.into_iter().filter(is_told).map(score).collect();
     tried.sort_by(|a, b| told(b.score_mm2).total_cmp(&told(a.score_mm2)));
     tried
 }
