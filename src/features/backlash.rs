@@ -15,6 +15,8 @@ struct Growth {
     step: f64,
     /// Standard deviation of that.
     sigma: f64,
+    /// From where on it grows, a coordinate of the axis, mm: there is none of it.
+    from_mm: f64,
 }
 
 pub(super) fn drafts<'a>(scene: &'a Scene<'a>) -> Vec<Draft<'a>> {
@@ -35,9 +37,9 @@ fn step<'a>(scene: &'a Scene<'a>, axis: Axis, along: Axis) -> Option<Draft<'a>> 
     let k = axis.index();
     let [middle_mm, reach_mm] = [scene.frame.middle_mm[k], scene.frame.reach_mm[k]];
     let growth = growth(scene, axis, along);
-    // What was found is told about the zero of its axis, and the step beside it: here both are told where the test was.
+    // The step is told beside what grows: here both are told where the test was.
     let [slope, at_middle] = growth.as_ref().map_or([0.0, answer.value], |growth| {
-        [growth.step, answer.value + growth.step * middle_mm]
+        [growth.step, answer.value + growth.step * (middle_mm - growth.from_mm)]
     });
     let outward = if backlash { -1.0 } else { 1.0 };
     let at_ends = [reach_mm, -reach_mm].map(|beside_mm| (at_middle + slope * beside_mm) * outward);
@@ -48,7 +50,7 @@ fn step<'a>(scene: &'a Scene<'a>, axis: Axis, along: Axis) -> Option<Draft<'a>> 
     of.size_mm = Some(value.abs());
     of.at_ends = (backlash || growth.is_some()).then(|| at_ends.map(|mm| mm * UM + 0.0));
     if let Some(growth) = &growth {
-        // The noise of the step beside what grows is that of both about the zero of the axis.
+        // The noise of the step beside what grows is that of both where it begins to grow.
         let common: f64 = answer.in_common.iter().map(|c| c * c).sum();
         let alone = (answer.noise.powi(2) - common).max(0.0).sqrt();
         let noise = alone.hypot(growth.sigma * reach_mm);
@@ -83,7 +85,8 @@ fn growth(scene: &Scene, axis: Axis, along: Axis) -> Option<Growth> {
     let number = scene.findings.get(*k)?.numbers.first()?;
     let share = number.sigma.map_or(0.0, |sigma| (sigma / number.value).abs());
     let step = 2.0 * sign * held.amplitudes.first()?;
-    Some(Growth { step, sigma: step.abs() * share })
+    let Form::Cause(shape) = &held.form else { return None };
+    Some(Growth { step, sigma: step.abs() * share, from_mm: shape.inner.unwrap_or(0.0) })
 }
 
 /// Whether a component of a slide lies in a plane.

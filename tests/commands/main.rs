@@ -16,6 +16,7 @@ mod files;
 mod folders;
 mod given;
 mod good;
+mod growing;
 mod hide;
 mod instrument;
 mod killed;
