@@ -11,8 +11,9 @@ use std::ops::Range;
 use rayon::prelude::*;
 use serde::{Serialize, Serializer};
 
-use crate::diagnose::thresholds::{NOTHING, UNDECIDED_SIGMAS};
-use crate::residual::{self, Beside, Column, Fitted, Noise, Owner, Residuals, Structure};
+use super::foretold::{LeftOut, left_out};
+use crate::diagnose::thresholds::NOTHING;
+use crate::residual::{self, Beside, Column, Fitted, Owner, Residuals, Structure};
 use crate::solve::dot;
 use crate::written::um;
 
@@ -77,59 +78,6 @@ pub(crate) struct Explained {
     pub(crate) share: f64,
     /// Its 95 % interval; `None` of a single arc, which cannot be left out.
     pub(crate) interval: Option<[f64; 2]>,
-}
-
-/// What the effects leave in the repeats that took no part in their fit.
-struct LeftOut {
-    /// What is left, mm; nothing of the others.
-    left_mm: Column,
-    /// By how much each effect lowers the sum of squares there beside the others, mm².
-    gained_mm2: Vec<f64>,
-}
-
-/// What the effects leave in the repeats that are `out`: they took no part. `None` where the effects cannot be
-/// fitted to the others.
-fn left_out(alone: &Beside, all: &Fitted, out: &[bool]) -> Option<LeftOut> {
-    let residuals = alone.residuals;
-    let within: Vec<bool> = out.iter().map(|out| !out).collect();
-    let fitted = residual::fit_to(alone, all.elements.clone(), &within)?;
-    let noise = Noise::of(residuals, &all.left_mm(alone));
-    let mut left_mm = residuals.model_mm.clone();
-    let mut parts = Vec::new();
-    for (index, element) in fitted.elements.iter().enumerate() {
-        let foretold =
-            element.owner == Owner::All && see(&within, residuals, &all.part(index), &noise);
-        let amplitudes = if foretold { &fitted.amplitudes[index] } else { &all.amplitudes[index] };
-        let element = if foretold { element } else { &all.elements[index] };
-        let mut effect = residuals.zeros();
-        for (amplitude, column) in amplitudes.iter().zip(element.columns(residuals)) {
-            effect.add(*amplitude, &column);
-        }
-        let effect = residuals.outside(&effect);
-        left_mm.add(-1.0, &effect);
-        parts.push(effect);
-    }
-    let only_out = |column: &mut Column| {
-        let within = column.iter_mut().zip(out).filter(|(_, out)| !**out);
-        within.for_each(|(of_repeat, _)| of_repeat.clear());
-    };
-    only_out(&mut left_mm);
-    let gained = |mut part: Column| {
-        only_out(&mut part);
-        part.square() + 2.0 * part.product(&left_mm)
-    };
-    let gained_mm2 = parts.into_iter().map(gained).collect();
-    Some(LeftOut { left_mm, gained_mm2 })
-}
-
-/// Whether some repeats see more of an effect than noise would make of it.
-fn see(within: &[bool], residuals: &Residuals, effect: &Fitted, noise: &Noise) -> bool {
-    let sum = effect.sum(residuals);
-    let outside = residuals.outside(&sum);
-    let each = sum.iter().zip(outside.iter()).zip(within).filter(|(_, within)| **within);
-    let seen_mm2: f64 = each.map(|((sum, outside), _)| dot(sum, outside)).sum();
-    let by_noise_mm2 = effect.columns.len() as f64 * noise.long_run_mm2;
-    seen_mm2 > UNDECIDED_SIGMAS.powi(2) * by_noise_mm2
 }
 
 /// The gain on every run, on every arc, and of every effect.

@@ -3,6 +3,7 @@
 pub(super) mod arcs;
 pub(super) mod costs;
 pub(super) mod effects;
+mod foretold;
 pub(super) mod gain;
 pub(super) mod left_out;
 pub(super) mod moved;
