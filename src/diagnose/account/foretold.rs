@@ -4,6 +4,10 @@ use crate::diagnose::thresholds::UNDECIDED_SIGMAS;
 use crate::residual::{self, Beside, Column, Fitted, Noise, Owner, Residuals};
 use crate::solve::dot;
 
+/// A knot of which others see less than this part is not foretold by them: a tenth as certain as it is there, and where a curve ends
+/// they see nothing.
+const COVERED: f64 = 0.01;
+
 /// What the effects leave in the repeats that took no part in their fit.
 pub(super) struct LeftOut {
     /// What is left, mm; nothing of the others.
@@ -22,8 +26,10 @@ pub(super) fn left_out(alone: &Beside, all: &Fitted, out: &[bool]) -> Option<Lef
     let mut left_mm = residuals.model_mm.clone();
     let mut parts = Vec::new();
     for (index, element) in fitted.elements.iter().enumerate() {
-        let foretold =
-            element.owner == Owner::All && see(&within, residuals, &all.part(index), &noise);
+        let part = all.part(index);
+        let foretold = element.owner == Owner::All
+            && see(&within, residuals, &part, &noise)
+            && (element.curve().is_none() || cover(&within, residuals, &part));
         let amplitudes = if foretold { &fitted.amplitudes[index] } else { &all.amplitudes[index] };
         let element = if foretold { element } else { &all.elements[index] };
         let mut effect = residuals.zeros();
@@ -55,4 +61,16 @@ fn see(within: &[bool], residuals: &Residuals, effect: &Fitted, noise: &Noise) -
     let seen_mm2: f64 = each.map(|((sum, outside), _)| dot(sum, outside)).sum();
     let by_noise_mm2 = effect.columns.len() as f64 * noise.long_run_mm2;
     seen_mm2 > UNDECIDED_SIGMAS.powi(2) * by_noise_mm2
+}
+
+/// Whether some repeats see of each knot of a curve at least [`COVERED`] of what the others do.
+fn cover(within: &[bool], residuals: &Residuals, curve: &Fitted) -> bool {
+    curve.columns.iter().all(|column| {
+        let outside = residuals.outside(column);
+        let mut seen = [0.0; 2];
+        for ((column, outside), within) in column.iter().zip(outside.iter()).zip(within) {
+            seen[usize::from(*within)] += dot(column, outside);
+        }
+        seen[1] >= COVERED * seen[0]
+    })
 }

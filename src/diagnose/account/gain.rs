@@ -3,7 +3,8 @@
 //! For each repeat the effects are fitted to all others, numbers inside and amplitudes. In the repeat they
 //! are held; only the model's own parameters and the times are fitted to it, as they always are. What is
 //! each run's own (the phase of a vibration, a knock) nothing else can foretell, nor what the others see no more
-//! of than noise (a step at a moment that they do not reach): there the amplitude is the repeat's own.
+//! of than noise (a step at a moment that they do not reach), nor a curve over values that they do not drive (velocities of
+//! another feed): there the amplitudes are the repeat's own.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -261,6 +262,9 @@ pub(crate) fn by_program(without: &Residuals, alone: &Beside, all: &Fitted) -> V
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::machine::Axis;
+    use crate::model::{Component, Empirical, Form, Seat, Variable};
+    use crate::residual::Element;
     use crate::residual::bench::{element, residuals, white};
 
     /// A step at a moment that the second repeat does not reach: it foretells nothing of it, and says nothing against it.
@@ -281,6 +285,39 @@ mod tests {
         let [seeing, other] = &gains.runs[..] else { panic!("{:?}", gains.runs) };
         assert!(seeing.after_mm < 0.1 * seeing.before_mm, "{seeing:?}");
         assert!((other.after_mm - other.before_mm).abs() < 1e-3 * other.before_mm, "{other:?}");
+    }
+
+    /// A curve over velocities of which the first repeat drives half: of the other half it foretells nothing.
+    #[test]
+    fn a_repeat_at_another_feed_says_nothing_against_a_curve() {
+        let mut noise = residuals(2, white(3, 1.5e-4));
+        let fastest_mm_s = noise.fastest_mm_s[0];
+        for sample in &mut noise.repeats[1].samples {
+            sample.situation.motion.velocity_mm_s *= 2.0;
+        }
+        let knots: Vec<f64> = (-4..=4).map(|k| 0.5 * f64::from(k) * fastest_mm_s).collect();
+        let curve = Element::new(
+            Form::Empirical(Empirical {
+                seat: Seat::Function(Axis::X, Component::Y),
+                variable: Variable::Velocity(Axis::X),
+                with_sense: true,
+                knots: knots.clone(),
+            }),
+            Owner::All,
+        );
+        let mut effect = noise.zeros();
+        for (knot, column) in knots.iter().zip(curve.columns(&noise)) {
+            effect.add(0.01 * (knot / fastest_mm_s).powi(2), &column);
+        }
+        let effect = noise.outside(&effect);
+        let with = noise.plus(&effect);
+        let alone = with.alone();
+        let fitted = residual::fit(&alone, vec![curve]).unwrap();
+        let gains = by_run(&with, &alone, &fitted.left_mm(&alone), Some(&fitted));
+        assert_eq!(gains.harmful, None);
+        for run in &gains.runs {
+            assert!(run.after_mm < 0.1 * run.before_mm, "{run:?}");
+        }
     }
 
     fn arcs(gains: &[(f64, f64)]) -> Vec<ArcGain> {
