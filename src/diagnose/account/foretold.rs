@@ -14,6 +14,8 @@ pub(super) struct LeftOut {
     pub(super) left_mm: Column,
     /// By how much each effect lowers the sum of squares there beside the others, mm².
     pub(super) gained_mm2: Vec<f64>,
+    /// Whether the others foretell all of every curve.
+    pub(super) curves: bool,
 }
 
 /// What the effects leave in the repeats that are `out`: they took no part. `None` where the effects cannot be
@@ -25,11 +27,13 @@ pub(super) fn left_out(alone: &Beside, all: &Fitted, out: &[bool]) -> Option<Lef
     let noise = Noise::of(residuals, &all.left_mm(alone));
     let mut left_mm = residuals.model_mm.clone();
     let mut parts = Vec::new();
+    let mut curves = true;
     for (index, element) in fitted.elements.iter().enumerate() {
         let part = all.part(index);
-        let foretold = element.owner == Owner::All
-            && see(&within, residuals, &part, &noise)
-            && (element.curve().is_none() || cover(&within, residuals, &part));
+        let covered = element.curve().is_none() || cover(&within, residuals, &part);
+        curves &= covered;
+        let foretold =
+            covered && element.owner == Owner::All && see(&within, residuals, &part, &noise);
         let amplitudes = if foretold { &fitted.amplitudes[index] } else { &all.amplitudes[index] };
         let element = if foretold { element } else { &all.elements[index] };
         let mut effect = residuals.zeros();
@@ -50,7 +54,7 @@ pub(super) fn left_out(alone: &Beside, all: &Fitted, out: &[bool]) -> Option<Lef
         part.square() + 2.0 * part.product(&left_mm)
     };
     let gained_mm2 = parts.into_iter().map(gained).collect();
-    Some(LeftOut { left_mm, gained_mm2 })
+    Some(LeftOut { left_mm, gained_mm2, curves })
 }
 
 /// Whether some repeats see more of an effect than noise would make of it.

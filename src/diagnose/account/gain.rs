@@ -34,6 +34,9 @@ pub struct RunGain {
     /// With the effects as the other repeats have them, mm.
     #[serde(rename = "after_um", serialize_with = "um")]
     pub after_mm: f64,
+    /// Whether the other repeats have all that the curves among them are over; where not, `after` is with what the run itself
+    /// has of them.
+    pub foretold: bool,
     /// What does not repeat from run to run, mm; `None` where no other run drove its program, or where an effect is each
     /// run's own.
     #[serde(rename = "floor_um", serialize_with = "um_if_any")]
@@ -130,8 +133,10 @@ pub(crate) fn by_run(
                 _ => all.is_none().then_some(left_mm2),
             };
             let least_mm2 = floor_mm2.unwrap_or(left_mm2);
+            let own_curve = foretold[index].as_ref().is_some_and(|out| !out.curves);
             let there_mm2 = was_mm2 - least_mm2;
-            for (place, is) in is_by_arc.range((index, number, 0)..(index, number + 1, 0)) {
+            let of_run = is_by_arc.range((index, number, 0)..(index, number + 1, 0));
+            for (place, is) in of_run.filter(|_| !own_curve) {
                 let Some(was) = was_by_arc.get(place) else { continue };
                 let mean_mm2 = was.sum_mm2 / was.samples;
                 arcs.push(ArcGain {
@@ -140,13 +145,14 @@ pub(crate) fn by_run(
                 });
             }
             let something = there_mm2 > NOTHING * was_mm2;
-            let foretold = foretold[index].is_some() || all.is_none();
+            let foretold = (foretold[index].is_some() || all.is_none()) && !own_curve;
             let share = || ((was_mm2 - is_mm2) / there_mm2).clamp(0.0, 1.0);
             runs.push(RunGain {
                 run: run.name.clone(),
                 samples: run.samples.len(),
                 before_mm: was_mm2.sqrt(),
                 after_mm: is_mm2.sqrt(),
+                foretold,
                 floor_mm: floor_mm2.map(f64::sqrt),
                 explained: (foretold && something).then(share),
             });
@@ -233,7 +239,8 @@ pub(crate) fn by_program(without: &Residuals, alone: &Beside, all: &Fitted) -> V
     }
     let gains = programs.iter().map(|program| {
         let out: Vec<bool> = driven.iter().map(|of_repeat| of_repeat == program).collect();
-        let left = left_out(alone, all, &out)?.left_mm;
+        let LeftOut { left_mm: left, .. } =
+            left_out(alone, all, &out).filter(|left_out| left_out.curves)?;
         let (mut before, mut after) = (0.0, 0.0);
         let (mut samples_before, mut samples) = (0.0_f64, 0.0_f64);
         let mut runs = Vec::new();
@@ -318,6 +325,11 @@ mod tests {
         for run in &gains.runs {
             assert!(run.after_mm < 0.1 * run.before_mm, "{run:?}");
         }
+        // Nor is it said that it does.
+        let told: Vec<bool> = gains.runs.iter().map(|run| run.foretold).collect();
+        assert_eq!(told, [true, false]);
+        let explained = gains.runs.iter().map(|run| run.explained.is_some());
+        assert_eq!(explained.collect::<Vec<_>>(), told);
     }
 
     fn arcs(gains: &[(f64, f64)]) -> Vec<ArcGain> {

@@ -66,6 +66,18 @@ impl DiagnosisFacts {
         self.runs.iter().any(|run| run.floor_mm.is_some())
     }
 
+    /// Which runs the other repeats do not foretell, where they foretell any.
+    pub(super) fn not_foretold(&self) -> Option<String> {
+        let own = self.runs.iter().filter(|run| self.foretold && !run.foretold);
+        let own: Vec<&str> = own.map(|run| run.run.as_str()).collect();
+        (!own.is_empty()).then(|| {
+            format!(
+                "Not foretold by the other repeats, which do not drive all that a curve is over, and so with the effects as fitted to the run itself: {}.",
+                own.join(", ")
+            )
+        })
+    }
+
     /// As JSON: keys in fixed order, numbers at full precision, a final newline.
     ///
     /// # Errors

@@ -170,6 +170,9 @@ fn gains(facts: &DiagnosisFacts) -> String {
         row.truncate(shown);
     }
     text.push_str(&table(&rows, "lrrrr"));
+    if let Some(own) = facts.not_foretold() {
+        paragraph(&mut text, "  ", &own);
+    }
     if !facts.programs.is_empty() {
         text.push_str("\nPredicted from the runs of the other programs, um rms\n");
         let head = ["runs", "feed", "before", "after"];
