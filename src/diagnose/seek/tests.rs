@@ -2,12 +2,12 @@
 
 use super::channel::{Channel, Worths};
 use super::screen::{gathered, of_channel};
-use super::{curves, knock};
+use super::{curves, knock, vibration};
 use crate::diagnose::thresholds::threshold_mm2;
 use crate::machine::Axis;
-use crate::model::{CAUSES, Reversal, Seat, Shape, Start, Variable};
+use crate::model::{Averaged, CAUSES, Reversal, Seat, Shape, Start, Variable};
 use crate::residual::bench::{element, residuals, white};
-use crate::residual::{Beside, Element, Owner, Residuals, System, fit};
+use crate::residual::{Beside, Element, Owner, Residuals, System, Tuning, fit};
 
 const NOISE_MM: f64 = 1.5e-4;
 
@@ -128,6 +128,25 @@ fn moves_there_and_back_are_found_together() {
         let sigma_mm = NOISE_MM * both.inverse[(k, k)].sqrt();
         assert!((both.amplitudes[k][0] - size_mm).abs() < 4.0 * sigma_mm);
     }
+}
+
+/// Of means of five readings a slow vibration gains as much as its aliases, of which the means have nothing.
+#[test]
+fn a_vibration_is_looked_for_where_means_have_it() {
+    let vibration = element("vibration:on=EXt,frequency_hz=0.37");
+    let mut residuals = residuals(2, white(7, NOISE_MM));
+    for sample in residuals.repeats.iter_mut().flat_map(|repeat| &mut repeat.samples) {
+        sample.situation.motion.averaged = Averaged { readings: 5.0, period_s: 0.02 };
+    }
+    let mut effect = residuals.zeros();
+    effect.add(1e-3, &vibration.columns(&residuals)[0]);
+    let residuals = residuals.plus(&effect);
+    let cause = vibration.shape().unwrap().cause;
+    let found = vibration::candidates(cause, &residuals.alone(), &Tuning::default(), 0.0);
+    assert!(found.iter().all(|found| found.element.possible(&residuals)), "{found:?}");
+    let shape = found[0].element.shape().unwrap();
+    assert_eq!(shape.seat, Seat::parse("EXt").unwrap());
+    assert!((shape.inner.unwrap() - 0.37).abs() < 2e-3, "{shape:?}");
 }
 
 #[test]

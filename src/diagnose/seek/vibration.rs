@@ -71,13 +71,15 @@ pub(crate) fn candidates(
         .collect();
     let mut found: Vec<Candidate> = tried
         .into_par_iter()
-        .map(|(seat, about_hz)| {
+        .filter_map(|(seat, about_hz)| {
             let (hz, gain_mm2) = nearby(beside, tuning, seat, about_hz);
             let shape = Shape { cause, seat, inner: Some(hz) };
             let tuning = tuning.clone();
             let of_each = Element::new(Form::Cause(shape), Owner::EachRun);
             let element = Element { tuning, ..of_each };
-            Candidate { element, gain_mm2 }
+            // Aliases gain the same but for rounding. Those that means have nothing of must not take the place of one that they have.
+            let possible = element.possible(beside.residuals);
+            possible.then_some(Candidate { element, gain_mm2 })
         })
         .collect();
     found.sort_by(|a, b| b.gain_mm2.total_cmp(&a.gain_mm2));
