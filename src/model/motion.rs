@@ -20,6 +20,9 @@ pub struct Corner {
     pub jump_mm_s: Vector3<f64>,
 }
 
+/// Of a vibration of which means of readings leave less than this, nine tenths would be in the single readings: it is an alias.
+const LEFT_BY_MEANS: f64 = 0.1;
+
 /// The readings that a reading is the mean of.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Averaged {
@@ -49,6 +52,11 @@ impl Averaged {
         } else {
             all_rad.cos() / half_rad.cos()
         }
+    }
+
+    /// Whether the mean has as much of a vibration of this frequency, Hz, that it may be what the mean shows.
+    pub fn holds(&self, frequency_hz: f64) -> bool {
+        self.share_of_wave(frequency_hz * self.lasts_s()).abs() > LEFT_BY_MEANS
     }
 }
 

@@ -8,9 +8,6 @@ use super::column::Column;
 use super::residuals::{Repeat, Residuals};
 use crate::model::{Empirical, Form, Inner, Law, Scale, Shape, Start, Term};
 
-/// Of a vibration of which means of readings leave less than this, nine tenths would be in the single readings: it is an alias.
-const LEFT_BY_MEANS: f64 = 0.1;
-
 /// Whether an effect is the same in all runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Owner {
@@ -189,7 +186,7 @@ impl Element {
             let mut averaged = repeat.runs.iter().filter_map(|run| {
                 Some(repeat.samples.get(run.samples.start)?.situation.motion.averaged)
             });
-            averaged.any(|of| of.share_of_wave(number * of.lasts_s()).abs() > LEFT_BY_MEANS)
+            averaged.any(|of| of.holds(number))
         };
         (number > 0.0 || stands)
             && (inner.start != Start::Lines || residuals.repeats.iter().any(is_left))
