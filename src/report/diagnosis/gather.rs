@@ -10,7 +10,7 @@ use super::{views, words};
 use crate::diagnose::{Diagnosis, Feature, Finding, Owner, Picture, Rival, Separation};
 use crate::identify::Identification;
 use crate::machine::Machine;
-use crate::model::Seat;
+use crate::model::{Averaged, Seat};
 use crate::report::text::numbers::fixed;
 use crate::report::text::words::capital;
 
@@ -127,8 +127,8 @@ fn seat(of: &Finding) -> Option<Seat> {
 fn aliases(of: &Finding, identifications: &[Identification]) -> Option<String> {
     let effect = of.effects.first().filter(|effect| effect.cause.id == "vibration")?;
     let runs = identifications.iter().flat_map(|identification| &identification.runs);
-    let rates: Vec<f64> = runs.map(|run| run.alignment.sample_period_s.recip()).collect();
-    words::aliases(effect.get("frequency"), &rates)
+    let windows: Vec<Averaged> = runs.map(|run| run.alignment.window()).collect();
+    words::aliases(effect.get("frequency"), &windows)
 }
 
 /// How much of a vibration is in what a fast log counts as.

@@ -2,7 +2,7 @@
 
 use crate::diagnose::Number;
 use crate::machine::{Axis, Machine};
-use crate::model::{AMPLITUDE, Ball, Component, Effect, Power, Seat};
+use crate::model::{AMPLITUDE, Averaged, Ball, Component, Effect, Power, Seat};
 use crate::report::text::numbers::{decimals, fixed};
 
 /// Common multiples of sample rates are looked for up to so many times the fastest.
@@ -119,9 +119,10 @@ pub(super) fn remarks(effect: &Effect, numbers: &[Number], machine: &Machine) ->
     }
 }
 
-/// The frequencies that look the same at all of these sample rates, Hz: the common multiple of the rates, less and
-/// more than the one that is named.
-pub(super) fn aliases(frequency_hz: f64, rates_hz: &[f64]) -> Option<String> {
+/// The frequencies that look the same in readings that are these means, Hz: common multiples of their rates, less and more than the
+/// lowest of them, as far as some mean holds them. Of single readings the first multiple has them, of means of five the fifth may.
+pub(super) fn aliases(frequency_hz: f64, windows: &[Averaged]) -> Option<String> {
+    let rates_hz: Vec<f64> = windows.iter().map(|window| window.lasts_s().recip()).collect();
     let fastest_hz = rates_hz.iter().copied().fold(0.0, f64::max);
     let whole = |multiple_hz: f64| {
         rates_hz.iter().all(|rate_hz| {
@@ -132,9 +133,13 @@ pub(super) fn aliases(frequency_hz: f64, rates_hz: &[f64]) -> Option<String> {
     let multiple_hz = (1..=MOST_FOLDS).map(|k| f64::from(k) * fastest_hz).find(|hz| whole(*hz))?;
     let folded = frequency_hz % multiple_hz;
     let lowest_hz = folded.min(multiple_hz - folded);
-    let all = [lowest_hz, multiple_hz - lowest_hz, multiple_hz + lowest_hz];
-    let others = all.iter().filter(|hz| (*hz - frequency_hz).abs() > 0.01 * multiple_hz);
-    let others: Vec<String> = others.map(|hz| fixed(*hz, 1)).collect();
+    let most = windows.iter().map(|window| window.readings).fold(1.0, f64::max);
+    let folded = (1..=most as u32).map(|k| f64::from(k) * multiple_hz);
+    let folded = folded.flat_map(|of_fold| [of_fold - lowest_hz, of_fold + lowest_hz]);
+    let held = |hz: &f64| windows.iter().any(|window| window.holds(*hz));
+    let all = std::iter::once(lowest_hz).chain(folded).filter(held).take(3);
+    let others = all.filter(|hz| (hz - frequency_hz).abs() > 0.01 * multiple_hz);
+    let others: Vec<String> = others.map(|hz| fixed(hz, 1)).collect();
     Some(format!("At these sample rates {} Hz would look the same.", others.join(" or ")))
 }
 
@@ -203,6 +208,24 @@ mod tests {
             let text = format!("cyclic:on=EBX,amplitude_urad=1,period_mm={period}");
             let remarks = remarks(&Effect::parse(&text).unwrap(), &[], &machine);
             assert!(remarks[0].contains(told), "{remarks:?}");
+        }
+    }
+
+    /// Means of five readings in 20 ms have nothing of what is near their rate, a sixth of what is further off, and all of what is
+    /// near that of the readings.
+    #[test]
+    fn frequencies_that_look_the_same_are_those_that_readings_have() {
+        let single = Averaged { readings: 1.0, period_s: 0.1 };
+        let five = Averaged { readings: 5.0, period_s: 0.004 };
+        for (windows, named_hz, others) in [
+            (vec![single], 2.3, "7.7 or 12.3"),
+            (vec![single, Averaged { period_s: 0.04, ..single }], 2.3, "47.7 or 52.3"),
+            (vec![five], 0.3555, "249.6 or 250.4"),
+            (vec![five], 7.0, "43.0 or 57.0"),
+            (vec![five], 58.7, "8.7 or 41.3"),
+        ] {
+            let told = aliases(named_hz, &windows).unwrap();
+            assert_eq!(told, format!("At these sample rates {others} Hz would look the same."));
         }
     }
 
