@@ -44,16 +44,10 @@ impl<'a> Follows<'a> {
         out.fill(0.0);
         let (inverse, _) = self.solution.elimination(run);
         let (own, coefficients) = row.split_at(inverse.rows());
-        let add = |out: &mut [f64], values: &[f64], of: &Matrix| {
-            for (k, value) in values.iter().enumerate().filter(|(_, value)| **value != 0.0) {
-                for (q, f) in out.iter_mut().zip(of.row(k)) {
-                    *q += factor * value * f;
-                }
-            }
-        };
-        add(out, coefficients, &self.shared);
-        add(out, own, &self.answers[run]);
-        add(&mut out[self.first[run]..self.first[run + 1]], own, inverse);
+        let shared = &mut out[..self.first[0]];
+        self.shared.add_rows(factor, coefficients, shared);
+        self.answers[run].add_rows(factor, own, shared);
+        inverse.add_rows(factor, own, &mut out[self.first[run]..self.first[run + 1]]);
     }
 
     /// What `Linearised` holds as `factor` and `deviations`.

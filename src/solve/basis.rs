@@ -3,7 +3,7 @@
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 
-use super::vector::dot;
+use super::widest::{add_to_sums, less_rows};
 
 /// Orthonormal columns `Q` (`m x r`): all that a fit of `r` directions to `m` samples can follow.
 ///
@@ -58,6 +58,15 @@ impl Basis {
         f64::from(self.rows[sample * self.rank + column])
     }
 
+    /// Adds each row, in order, which comes with the number of a sum and a factor, to that sum; sums of [`rank`](Self::rank) numbers
+    /// lie one after the other.
+    ///
+    /// # Panics
+    /// If there is no such sum.
+    pub fn add_to_sums(&self, places: impl Iterator<Item = (usize, f64)>, sums: &mut [f64]) {
+        add_to_sums(self.rank, &self.rows, places, sums);
+    }
+
     /// `Q^T c` of several columns in one pass over the rows; an empty column is zero.
     pub fn along(&self, columns: &[&[f64]]) -> Vec<Vec<f64>> {
         let full: Vec<usize> = (0..columns.len()).filter(|k| !columns[*k].is_empty()).collect();
@@ -89,13 +98,7 @@ impl Basis {
             return column.to_vec();
         }
         let along = self.along(&[column]).remove(0);
-        let mut full = vec![0.0; self.rank];
-        let mut followed = |row: &[f32]| {
-            full.iter_mut().zip(row).for_each(|(full, q)| *full = f64::from(*q));
-            dot(&full, &along)
-        };
-        let rows = self.rows.chunks_exact(self.rank);
-        column.iter().zip(rows).map(|(c, row)| c - followed(row)).collect()
+        less_rows(column, &self.rows, &along)
     }
 }
 

@@ -10,6 +10,7 @@ use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::{Accum, MatMut, MatRef, Par};
 
 use super::vector::dot;
+use super::widest::add_rows;
 
 /// A dense matrix of `f64`, stored row after row.
 ///
@@ -67,6 +68,11 @@ impl Matrix {
     /// Number of columns.
     pub fn columns(&self) -> usize {
         self.columns
+    }
+
+    /// `to += sum_k factor * values[k] * row_k`.
+    pub fn add_rows(&self, factor: f64, values: &[f64], to: &mut [f64]) {
+        add_rows(factor, values, &self.data, to);
     }
 
     /// Row `i` as a slice.

@@ -93,6 +93,7 @@ mod triangle;
 mod tsqr;
 mod vector;
 mod whiten;
+mod widest;
 
 pub use backward_filter::BackwardFilter;
 pub use basis::Basis;
@@ -111,3 +112,4 @@ pub use spectrum::{Spectrum, Truncation, VANISHED};
 pub use triangle::Triangle;
 pub use tsqr::Tsqr;
 pub use vector::{dot, median};
+pub use widest::add_rows;

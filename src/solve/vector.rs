@@ -2,7 +2,7 @@
 
 /// Sums side by side: each waits for itself alone, so that with eight a product takes no longer than its
 /// numbers take to come.
-const LANES: usize = 8;
+pub(super) const LANES: usize = 8;
 
 /// `a · b`, summed in eight lanes: always the same eight, so always the same bits. What is longer in one of
 /// them does not count.
@@ -18,8 +18,12 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
             *lane += a * b;
         }
     }
-    let [a, b, c, d, e, f, g, h] = lanes;
-    ((a + b) + (c + d)) + ((e + f) + (g + h)) + rest
+    across(lanes) + rest
+}
+
+/// The sum of what the lanes hold.
+pub(super) fn across([a, b, c, d, e, f, g, h]: [f64; LANES]) -> f64 {
+    ((a + b) + (c + d)) + ((e + f) + (g + h))
 }
 
 /// The upper of the two middle values, or the middle one; `None` of nothing.

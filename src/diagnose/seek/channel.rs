@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 use crate::model::{Dependence, Seat, Variable};
 use crate::residual::{Beside, Residuals, Sample};
-use crate::solve::{Cholesky, Matrix, dot};
+use crate::solve::{Cholesky, Matrix, add_rows, dot};
 
 /// Bins of a variable.
 #[derive(Debug, Clone)]
@@ -215,11 +215,10 @@ impl Channel {
                         channel.centers[bin] += worth * worth * value;
                     }
                     gathered.squares[bin] += worth * worth;
-                    let followed = &mut gathered.followed[bin * rank..][..rank];
-                    for (m, q) in followed.iter_mut().zip(repeat.basis.row(k)) {
-                        *m += worth * q;
-                    }
                 }
+                let worths = places.iter().zip(&*worths[index]);
+                let worths = worths.map(|(at, worth)| (usize::from(at.bin), at.worth(*worth)));
+                repeat.basis.add_to_sums(worths, &mut gathered.followed);
                 channel.repeats.push(gathered);
             }
         }
@@ -299,14 +298,9 @@ impl Look<'_> {
             let rank = gathered.rank;
             let mut followed = Matrix::zeros(n, rank);
             for (i, shape) in shapes.iter().enumerate() {
-                let out = followed.row_mut(i);
                 let range = ranges[i].clone();
-                for bin in range.clone() {
-                    for (o, m) in out.iter_mut().zip(&gathered.followed[bin * rank..][..rank]) {
-                        *o += shape[bin] * m;
-                    }
-                }
                 let shape = &shape[range.clone()];
+                add_rows(1.0, shape, &gathered.followed[range.start * rank..], followed.row_mut(i));
                 common[i] += dot(shape, &self.common[index][range.clone()]);
                 for (total, x) in accepted.iter_mut().zip(&self.accepted[index]) {
                     total[i] += dot(shape, &x[range.clone()]);
