@@ -68,7 +68,7 @@ pub struct Searched {
 }
 
 fn findings(beside: &Beside, chosen: Option<&Chosen>) -> Vec<Finding> {
-    let Some(Chosen { fitted, rivals }) = chosen else { return Vec::new() };
+    let Some(Chosen { fitted, rivals, .. }) = chosen else { return Vec::new() };
     let residuals = beside.residuals;
     let long_run_mm2 = beside.noise_alone().long_run_mm2;
     let each = fitted.elements.iter().enumerate().zip(rivals);

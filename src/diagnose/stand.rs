@@ -81,12 +81,19 @@ impl Standing {
                 chosen = astray.without(last, &searched.alone());
                 continue;
             }
-            if let Some(now) = extended.as_ref().filter(|_| looking && looks < MOST_LOOKS)
-                && let Again::Other(other) = run::again(&now.residuals, &now.campaign, &now.chosen)
-            {
-                looks += 1;
-                chosen = other;
-                continue;
+            if let Some(now) = extended.as_ref().filter(|_| looking && looks < MOST_LOOKS) {
+                match run::again(&now.residuals, &now.campaign, &now.chosen) {
+                    Again::Other(other) => {
+                        looks += 1;
+                        chosen = other;
+                        continue;
+                    }
+                    Again::Same(nearly) => {
+                        if let Some(chosen) = &mut chosen {
+                            chosen.nearly = nearly;
+                        }
+                    }
+                }
             }
             // The last look may have left what no longer stands about the model that it led to.
             if (!looking || looks == MOST_LOOKS)

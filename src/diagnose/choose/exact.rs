@@ -39,6 +39,16 @@ pub(crate) fn likelier(
             }
         }
     }
+    // A curve bends to whatever times and other numbers make of what is missing, and a cause cannot. One that leaves less through the
+    // exact chain, but for what the curve's numbers gain by chance, is what the curve describes.
+    let mut least_mm2 = price.by_chance_mm2(now);
+    for causes in &chosen.nearly {
+        let Some(extended) = extend(test, machine, campaign, causes)? else { continue };
+        let mm2 = price.by_chance_mm2(&extended);
+        if mm2 < least_mm2 && at_the_same_feeds(&extended.campaign, &now.campaign) {
+            (least_mm2, better) = (mm2, Some(causes.clone()));
+        }
+    }
     Ok(better)
 }
 
@@ -74,6 +84,7 @@ fn close(chosen: &Chosen, effect: usize) -> Vec<usize> {
 /// independent.
 struct Price {
     samples: f64,
+    long_run_mm2: f64,
     of_a_number_mm2: f64,
 }
 
@@ -83,12 +94,21 @@ impl Price {
         let long_run_mm2 = beside.noise().long_run_mm2;
         let pieces = (beside.left_mm2() / long_run_mm2).max(1.0);
         let of_a_number_mm2 = long_run_mm2 * pieces.ln();
-        Self { samples: now.residuals.samples() as f64, of_a_number_mm2 }
+        Self { samples: now.residuals.samples() as f64, long_run_mm2, of_a_number_mm2 }
     }
 
     /// Of as many readings, however many take part.
     fn of_mm2(&self, extended: &Extended) -> f64 {
+        self.with_numbers_mm2(extended, self.of_a_number_mm2)
+    }
+
+    /// What is left where each number gains what chance gives it.
+    fn by_chance_mm2(&self, extended: &Extended) -> f64 {
+        self.with_numbers_mm2(extended, self.long_run_mm2)
+    }
+
+    fn with_numbers_mm2(&self, extended: &Extended, of_a_number_mm2: f64) -> f64 {
         let numbers = extended.chosen.fitted.columns.len() as f64;
-        self.samples * extended.left_mm().powi(2) + numbers * self.of_a_number_mm2
+        self.samples * extended.left_mm().powi(2) + numbers * of_a_number_mm2
     }
 }

@@ -71,7 +71,8 @@ pub(crate) fn extend(
         let moved_mm2 = moved.product(&about.outside(&moved));
         let noise = Noise::of(&about, &left_mm);
         drop(alone);
-        let chosen = Chosen { fitted: again, rivals: chosen.rivals.clone() };
+        let rivals = chosen.rivals.clone();
+        let chosen = Chosen { fitted: again, rivals, nearly: Vec::new() };
         now = Some(Extended { campaign: extended, residuals: about, chosen });
         if moved_mm2 < noise.long_run_mm2 {
             break;

@@ -46,6 +46,9 @@ pub(crate) struct Chosen {
     pub(crate) fitted: Fitted,
     /// Other explanations of each element.
     pub(crate) rivals: Vec<Vec<Rival>>,
+    /// All effects with causes in the place of a curve, which explain as much as it but for what is not linear, each with its own
+    /// rivals.
+    pub(crate) nearly: Vec<Self>,
 }
 
 impl Chosen {
@@ -55,7 +58,8 @@ impl Chosen {
         let kept: Vec<usize> = (0..self.fitted.elements.len()).filter(others).collect();
         let elements = kept.iter().map(|&k| self.fitted.elements[k].clone()).collect();
         let fitted = if kept.is_empty() { None } else { residual::fit(alone, elements) }?;
-        Some(Self { fitted, rivals: kept.iter().map(|&k| self.rivals[k].clone()).collect() })
+        let rivals = kept.iter().map(|&k| self.rivals[k].clone()).collect();
+        Some(Self { fitted, rivals, nearly: Vec::new() })
     }
 
     /// With a rival in the place of one of the effects, the effect among its rivals; `None` where they cannot be fitted.
@@ -67,6 +71,6 @@ impl Chosen {
         let fitted = residual::fit(alone, elements)?;
         rivals[effect].iter_mut().for_each(|other| other.share /= share);
         rivals[effect][rival] = Rival { element: own, share: share.recip(), separation };
-        Some(Self { fitted, rivals })
+        Some(Self { fitted, rivals, nearly: Vec::new() })
     }
 }

@@ -1,6 +1,6 @@
 //! The search from its first candidate to what stands.
 
-use super::found::Chosen;
+use super::found::{Chosen, Rival};
 use super::search::{MOST_EFFECTS, Search};
 use crate::identify::Campaign;
 use crate::residual::{Fitted, Residuals};
@@ -14,8 +14,8 @@ pub(crate) fn chosen(residuals: &Residuals, campaign: &Campaign) -> Option<Chose
 
 /// What a look about the extended model says of the effects that it was extended by.
 pub(crate) enum Again {
-    /// They stand, and nothing else does.
-    Same,
+    /// They stand, and nothing else does but, maybe, [these](Chosen::nearly).
+    Same(Vec<Chosen>),
     /// These do instead; `None` for none.
     Other(Option<Chosen>),
 }
@@ -24,7 +24,9 @@ pub(crate) enum Again {
 /// moved.
 pub(crate) fn again(residuals: &Residuals, campaign: &Campaign, chosen: &Chosen) -> Again {
     let mut search = Search::new(residuals, campaign);
-    let Some(fitted) = search.fit_all(chosen.fitted.elements.clone()) else { return Again::Same };
+    let Some(fitted) = search.fit_all(chosen.fitted.elements.clone()) else {
+        return Again::Same(Vec::new());
+    };
     let count = fitted.elements.len();
     let stands = search.beyond_chance(fitted);
     let dropped = stands.as_ref().is_none_or(|fitted| fitted.elements.len() < count);
@@ -35,7 +37,7 @@ pub(crate) fn again(residuals: &Residuals, campaign: &Campaign, chosen: &Chosen)
             let elements = fitted.elements.clone();
             let causes = search.without_curves(fitted);
             if causes.elements == elements {
-                return Again::Same;
+                return Again::Same(search.nearly());
             }
             Some(causes)
         }
@@ -73,7 +75,7 @@ impl Search<'_> {
         let stands = self.tidied(fitted.clone()).unwrap_or(firm);
         if stands.elements != fitted.elements {
             fitted = stands;
-            rivals = (0..fitted.elements.len()).map(|k| self.rivals(&fitted, k).1).collect();
+            rivals = self.rivals_of_each(&fitted);
         }
         let (sorted, order) = self.by_size(fitted);
         let count = sorted.elements.len();
@@ -81,9 +83,25 @@ impl Search<'_> {
         let rivals = if fitted.elements.len() == count {
             order.into_iter().map(|k| std::mem::take(&mut rivals[k])).collect()
         } else {
-            (0..fitted.elements.len()).map(|k| self.rivals(&fitted, k).1).collect()
+            self.rivals_of_each(&fitted)
         };
-        Some(Chosen { fitted, rivals })
+        let described = fitted.elements.iter().any(|element| element.shape().is_none());
+        let nearly = if described { self.nearly() } else { Vec::new() };
+        Some(Chosen { fitted, rivals, nearly })
+    }
+
+    /// What explains as much as a curve but for what is not linear, with what else that could be.
+    fn nearly(&mut self) -> Vec<Chosen> {
+        let nearly = std::mem::take(&mut self.nearly).into_iter();
+        let with_rivals = |fitted: Fitted| {
+            let rivals = self.rivals_of_each(&fitted);
+            Chosen { fitted, rivals, nearly: Vec::new() }
+        };
+        nearly.map(with_rivals).collect()
+    }
+
+    fn rivals_of_each(&self, fitted: &Fitted) -> Vec<Vec<Rival>> {
+        (0..fitted.elements.len()).map(|k| self.rivals(fitted, k).1).collect()
     }
 
     /// The largest effect first.

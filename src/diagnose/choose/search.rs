@@ -38,13 +38,15 @@ pub(crate) struct Search<'a> {
     tuning: Tuning,
     /// What was tried while nothing had been chosen.
     pub(crate) first: Vec<Tried>,
+    /// Effects with causes in the place of a curve, which explain nearly as much.
+    pub(super) nearly: Vec<Fitted>,
 }
 
 impl<'a> Search<'a> {
     pub(crate) fn new(residuals: &'a Residuals, campaign: &Campaign) -> Self {
         let alone = residuals.alone();
         let screen = Screen::new(&alone, campaign);
-        Self { alone, screen, tuning: Tuning::default(), first: Vec::new() }
+        Self { alone, screen, tuning: Tuning::default(), first: Vec::new(), nearly: Vec::new() }
     }
 
     pub(crate) fn residuals(&self) -> &'a Residuals {
