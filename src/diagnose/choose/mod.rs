@@ -3,6 +3,7 @@
 pub(super) mod exact;
 pub(super) mod extend;
 pub(super) mod found;
+mod in_place;
 mod pair;
 mod rivals;
 pub(super) mod run;
