@@ -43,6 +43,7 @@ mod stops;
 mod tests;
 mod time_map;
 mod turns;
+mod waits;
 mod window;
 
 pub use breaks::Break;
@@ -62,4 +63,5 @@ pub use samples::{Alignment, Part, Sample};
 pub use section::{Circle, Section};
 pub use steps::{ArcTime, TimeStep};
 pub use time_map::{Moment, TimeMap};
+pub use waits::read_while_it_waited;
 pub use window::averaged;

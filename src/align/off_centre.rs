@@ -10,13 +10,11 @@
 
 use nalgebra::{Matrix4, Vector3, Vector4};
 
-use super::lay::align;
-use super::run::{Rig, Run};
+use super::run::Run;
 use super::samples::{Alignment, Part, Sample};
 use super::section;
-use crate::log::Reading;
-use crate::motion::{BlockKind, Trajectory};
-use crate::plan::BallBar;
+use super::waits::{laid_within, waits_mm};
+use crate::motion::Trajectory;
 use crate::solve;
 
 /// The arc is looked at in so many places.
@@ -87,7 +85,8 @@ pub fn off_centre(run: &Run, laid: Option<&Alignment>) -> Option<OffCentre> {
     let nearer = || {
         // Of arcs that read beyond that, a bar of half the range would have shown pieces.
         let within_mm = waits_mm.map(|mm| 0.5 * mm).filter(|mm| one_arc.offset_mm.norm() < *mm)?;
-        let (laid, of) = laid_within(run, within_mm)?;
+        let laid = laid_within(run, within_mm)?;
+        let of = Circle::of_arcs(run, &laid)?;
         let is_off = of.left < left / NEARLY_ALL && of.offset_mm.norm() > OFF * least_mm;
         is_off.then(|| OffCentre::Laid {
             offset_mm: of.offset_mm,
@@ -100,23 +99,6 @@ pub fn off_centre(run: &Run, laid: Option<&Alignment>) -> Option<OffCentre> {
         let is_arc = one_arc.left < LEFT && (laid.is_none() || one_arc.left < left / WORSE);
         (is_arc && size_mm >= least_mm).then_some(OffCentre::TooFar(size_mm))
     })
-}
-
-/// The nearest to the sphere that the bar waits out of its range, mm.
-fn waits_mm(run: &Run, trajectory: &Trajectory) -> Option<f64> {
-    let stops = trajectory.blocks().iter().filter(|block| block.kind == BlockKind::Stop);
-    let at_mm = stops.map(|block| run.rig.commanded_deviation_mm(&block.start_mm).abs());
-    at_mm.filter(|mm| *mm > run.rig.bar.range_mm).min_by(f64::total_cmp)
-}
-
-/// The log laid over its program as one of a bar that reads no further than this, and its arcs.
-fn laid_within(run: &Run, within_mm: f64) -> Option<(Alignment, Circle)> {
-    let beyond = |reading: &Reading| reading.deviation_mm.is_some_and(|mm| mm.abs() > within_mm);
-    let log = run.log.without(beyond);
-    let bar = BallBar { range_mm: within_mm, ..run.rig.bar.clone() };
-    let laid = align(&Run { log: &log, rig: Rig { bar: &bar, ..run.rig }, ..*run }).ok()?;
-    let circle = Circle::of_arcs(run, &laid)?;
-    Some((laid, circle))
 }
 
 /// Readings as of a circle or a sphere about another centre.

@@ -125,9 +125,16 @@ impl MeasuredRun {
                 )));
         }
         let alignment = align::align(&run);
-        let alignment = match align::off_centre(&run, alignment.as_ref().ok()) {
-            Some(off_centre) => self.laid_off_centre(off_centre)?,
-            None => alignment?,
+        let laid = alignment.as_ref().ok();
+        let alignment = if let Some(off_centre) = align::off_centre(&run, laid) {
+            self.laid_off_centre(off_centre)?
+        } else if let Some((mut laid, within_mm)) = align::read_while_it_waited(&run, laid) {
+            laid.log_notes.push(format!(
+                "the bar read where the program has it wait out of its range; readings beyond {within_mm:.2} mm were taken as out of range"
+            ));
+            laid
+        } else {
+            alignment?
         };
         Ok(RunInput::new(self.name.clone(), self.mounting, bar.length_mm, alignment))
     }

@@ -355,3 +355,33 @@ fn a_bar_that_stands_at_the_edge_of_its_range_between_arcs() {
         }
     }
 }
+
+/// A machine that is 0.3 mm off where the bar was released holds it at the edge of its range there, and the log goes on: what it reads
+/// while the operator walks up to the machine is none of the program.
+#[test]
+fn a_bar_that_goes_on_reading_where_it_was_released() {
+    let until_s = 400.0;
+    let measured = lines("rate250", "run1.csv.gz");
+    let read_s = measured.iter().filter(|line| line.1.is_some()).map(|line| line.0);
+    let released_s = read_s.fold(0.0, f64::max);
+    let stands =
+        (1..).map(|k| (released_s + 0.004 * f64::from(k), Some(1150.0 + 0.1 * f64::from(k % 3))));
+    let log = measured.iter().copied().filter(|line| line.0 <= released_s);
+    let log = log.chain(stands.take_while(|line| line.0 < until_s));
+    let arcs = |work: &Work| -> Vec<f64> {
+        let told = work.ballbar(&["align", "test.toml", "--json"]).done().stdout();
+        let told: Value = serde_json::from_str(&told).unwrap();
+        let arcs = told["runs"][0]["arcs"].as_array().unwrap().iter();
+        arcs.map(|arc| arc["rms_um"].as_f64().unwrap()).collect()
+    };
+    let as_measured = arcs(&with_log("rate250", "O4001.nc", text(measured.clone())));
+    let work = with_log("rate250", "O4001.nc", text(log));
+    let with_stand = arcs(&work);
+    assert_eq!(as_measured.len(), with_stand.len());
+    for (alone, with) in as_measured.iter().zip(&with_stand) {
+        assert!((alone - with).abs() < 0.05, "{alone} and {with} um");
+    }
+    let told = work.ballbar(&["identify", "test.toml"]).done().stdout();
+    let told = told.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(told.contains("the bar read where the program has it wait out of its range"), "{told}");
+}
