@@ -385,3 +385,14 @@ fn a_bar_that_goes_on_reading_where_it_was_released() {
     let told = told.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(told.contains("the bar read where the program has it wait out of its range"), "{told}");
 }
+
+/// Readings to the nearest micrometre are off by 0.29 um rms, which is no error of a machine.
+#[test]
+fn steps_of_readings_are_nothing_that_the_model_does_not_explain() {
+    let work = changed("hu40t", "O1005.nc", |(time_s, um)| (time_s, um.map(f64::round)));
+    let told = |work: &Work| work.ballbar(&["identify", "test.toml"]).done().stdout();
+    assert!(told(&work).contains("times the stated noise"), "in steps of 0.1 um");
+    rewrite(&work, "test.toml", "resolution_um = 0.1", "resolution_um = 1.0");
+    let told = told(&work);
+    assert!(!told.contains("times the stated noise"), "{told}");
+}

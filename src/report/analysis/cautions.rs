@@ -60,13 +60,20 @@ fn deficient(analysis: &Analysis) -> Option<String> {
 
 fn unexplained(analysis: &Analysis) -> Option<String> {
     let worst = analysis.repeats.iter().map(|r| r.residual_rms_um).fold(0.0, f64::max);
-    let stated = analysis.ball_bar.noise_um;
-    (worst > NOISY * stated).then(|| {
+    let bar = &analysis.ball_bar;
+    // Readings to the nearest step are off by any part of half of one.
+    let with_steps_um = bar.noise_um.hypot(bar.resolution_um / 12.0_f64.sqrt());
+    (worst > NOISY * with_steps_um).then(|| {
+        let steps = if bar.resolution_um > bar.noise_um {
+            format!(" in steps of {} um", fixed(bar.resolution_um, 1))
+        } else {
+            String::new()
+        };
         format!(
-            "Residuals of up to {} um rms are {} times the stated noise of {} um: the model does not explain all that the bar reads. The sigmas do not include this.",
+            "Residuals of up to {} um rms are {} times the stated noise of {} um{steps}: the model does not explain all that the bar reads. The sigmas do not include this.",
             fixed(worst, 3),
-            fixed(worst / stated, 1),
-            fixed(stated, 3)
+            fixed(worst / with_steps_um, 1),
+            fixed(bar.noise_um, 3)
         )
     })
 }
