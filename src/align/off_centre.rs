@@ -13,7 +13,7 @@ use nalgebra::{Matrix4, Vector3, Vector4};
 use super::run::Run;
 use super::samples::{Alignment, Part, Sample};
 use super::section;
-use super::waits::{laid_within, waits_mm};
+use super::waits::{laid_within, trajectory_of, waits_mm};
 use crate::motion::Trajectory;
 use crate::solve;
 
@@ -66,18 +66,12 @@ pub enum OffCentre {
 /// The balls of a run that stand off; `None` where that is not what is wrong: where `laid` is how the log lies over the
 /// program, and its readings are those of arcs there.
 pub fn off_centre(run: &Run, laid: Option<&Alignment>) -> Option<OffCentre> {
-    let planned;
-    let trajectory = if let Some(laid) = laid {
-        &laid.trajectory
-    } else {
-        planned = run.trajectory(run.feed_override);
-        &planned
-    };
+    let trajectory = trajectory_of(run, laid);
     let range_mm = run.rig.bar.range_mm;
-    let waits_mm = waits_mm(run, trajectory);
+    let waits_mm = waits_mm(run, &trajectory);
     // Where the bar waits out of its range, an offset by the rest of the way brings it in.
     let least_mm = waits_mm.map_or(range_mm, |mm| (mm - range_mm).min(range_mm));
-    let one_arc = Circle::of_one_arc(run, trajectory, least_mm)?;
+    let one_arc = Circle::of_one_arc(run, &trajectory, least_mm)?;
     let left = laid.and_then(|laid| Circle::of_arcs(run, laid)).map_or(1.0, |of| of.left);
     if laid.is_some() && left < WRONG {
         return None;

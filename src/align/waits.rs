@@ -5,6 +5,8 @@
 //! moves meanwhile. A bar that reads no further than that half would have shown the engagements of the program: its readings
 //! beyond are left out, and what is left is laid over.
 
+use std::borrow::Cow;
+
 use super::lay::align;
 use super::run::{Rig, Run};
 use super::samples::{Alignment, Part};
@@ -12,10 +14,19 @@ use crate::log::Reading;
 use crate::motion::{BlockKind, Trajectory};
 use crate::plan::BallBar;
 
-/// What is read beyond that half for longer than this is no ramp, s.
-const RAMP_S: f64 = 1.0;
-/// And a bar that stands reads the same within this part of its range: a machine shakes by less.
+/// A bar stands that is farther out than that half for longer than this, s, ...
+const STANDS_S: f64 = 1.0;
+/// ... in the middle half of which it reads the same within this part of its range. Of a range of 1.2 mm that is 7 mm/min: nobody drives
+/// a ramp so slowly, and no machine shakes so much.
 const STILL: f64 = 0.05;
+
+/// How the program was driven, as its log was laid over it, or else as it is planned.
+pub(super) fn trajectory_of<'a>(run: &Run, laid: Option<&'a Alignment>) -> Cow<'a, Trajectory> {
+    match laid {
+        Some(laid) => Cow::Borrowed(&laid.trajectory),
+        None => Cow::Owned(run.trajectory(run.feed_override)),
+    }
+}
 
 /// The nearest to the sphere that the bar waits out of its range, mm.
 pub(super) fn waits_mm(run: &Run, trajectory: &Trajectory) -> Option<f64> {
@@ -38,17 +49,11 @@ fn is_beyond(reading: &Reading, within_mm: f64) -> bool {
 /// A log that was `laid` over its program, or was not, by where the bar read while it waited, or after its end: as it is laid without,
 /// and beyond which readings, mm, were left out. `None` where it did not.
 pub fn read_while_it_waited(run: &Run, laid: Option<&Alignment>) -> Option<(Alignment, f64)> {
-    let planned;
-    let trajectory = if let Some(laid) = laid {
-        &laid.trajectory
-    } else {
-        planned = run.trajectory(run.feed_override);
-        &planned
-    };
-    let ends_mm =
-        run.rig.commanded_deviation_mm(&trajectory.at(trajectory.end_s()).position_mm).abs();
+    let trajectory = trajectory_of(run, laid);
+    let end = trajectory.at(trajectory.end_s());
+    let ends_mm = run.rig.commanded_deviation_mm(&end.position_mm).abs();
     let ends_mm = Some(ends_mm).filter(|mm| *mm > run.rig.bar.range_mm);
-    let waits_mm = waits_mm(run, trajectory).into_iter().chain(ends_mm).reduce(f64::min)?;
+    let waits_mm = waits_mm(run, &trajectory).into_iter().chain(ends_mm).reduce(f64::min)?;
     let within_mm = 0.5 * waits_mm;
     let stands_s = longest_stand_s(run, within_mm)?;
     let moves = |laid: &Alignment| {
@@ -76,7 +81,7 @@ fn longest_stand_s(run: &Run, within_mm: f64) -> Option<[f64; 2]> {
         });
         let still = ends_mm[1] - ends_mm[0] < STILL * run.rig.bar.range_mm;
         let from_to_s = [of[0].time_s, of[of.len() - 1].time_s];
-        (still && from_to_s[1] - from_to_s[0] > RAMP_S).then_some(from_to_s)
+        (still && from_to_s[1] - from_to_s[0] > STANDS_S).then_some(from_to_s)
     });
     stands.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))
 }

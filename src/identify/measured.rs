@@ -130,7 +130,7 @@ impl MeasuredRun {
             self.laid_off_centre(off_centre)?
         } else if let Some((mut laid, within_mm)) = align::read_while_it_waited(&run, laid) {
             laid.log_notes.push(format!(
-                "the bar read where the program has it wait out of its range; readings beyond {within_mm:.2} mm were taken as out of range"
+                "the bar read where the program has it wait out of its range: so far off was the machine there, or the ball. Readings beyond {within_mm:.2} mm were taken as out of range"
             ));
             laid
         } else {
