@@ -27,7 +27,8 @@ pub(crate) fn likelier(
     now: &Extended,
 ) -> Result<Option<Chosen>> {
     let price = Price::of(now);
-    let mut least_mm2 = price.of_mm2(now);
+    let both = |of: &Extended| (price.of_mm2(of), price.by_chance_mm2(of));
+    let (mut least_mm2, mut by_chance_mm2) = both(now);
     let mut better = None;
     for effect in 0..chosen.fitted.elements.len() {
         for rival in close(chosen, effect) {
@@ -35,18 +36,18 @@ pub(crate) fn likelier(
             let Some(extended) = extend(test, machine, campaign, &instead)? else { continue };
             let mm2 = price.of_mm2(&extended);
             if mm2 < least_mm2 && at_the_same_feeds(&extended.campaign, &now.campaign) {
-                (least_mm2, better) = (mm2, Some(instead));
+                (least_mm2, by_chance_mm2) = both(&extended);
+                better = Some(instead);
             }
         }
     }
     // A curve bends to whatever times and other numbers make of what is missing, and a cause cannot. One that leaves less through the
     // exact chain, but for what the curve's numbers gain by chance, is what the curve describes.
-    let mut least_mm2 = price.by_chance_mm2(now);
     for causes in &chosen.nearly {
         let Some(extended) = extend(test, machine, campaign, causes)? else { continue };
         let mm2 = price.by_chance_mm2(&extended);
-        if mm2 < least_mm2 && at_the_same_feeds(&extended.campaign, &now.campaign) {
-            (least_mm2, better) = (mm2, Some(causes.clone()));
+        if mm2 < by_chance_mm2 && at_the_same_feeds(&extended.campaign, &now.campaign) {
+            (by_chance_mm2, better) = (mm2, Some(causes.clone()));
         }
     }
     Ok(better)
