@@ -64,16 +64,17 @@ fn unexplained(analysis: &Analysis) -> Option<String> {
     // Readings to the nearest step are off by any part of half of one.
     let with_steps_um = bar.noise_um.hypot(bar.resolution_um / 12.0_f64.sqrt());
     (worst > NOISY * with_steps_um).then(|| {
-        let steps = if bar.resolution_um > bar.noise_um {
-            format!(" in steps of {} um", fixed(bar.resolution_um, 1))
+        let stated = format!("the stated noise of {} um", fixed(bar.noise_um, 3));
+        let (expected_um, expected) = if bar.resolution_um > bar.noise_um {
+            let [with, steps] = [fixed(with_steps_um, 3), fixed(bar.resolution_um, 1)];
+            (with_steps_um, format!("the {with} um that {stated} and steps of {steps} um make"))
         } else {
-            String::new()
+            (bar.noise_um, stated)
         };
         format!(
-            "Residuals of up to {} um rms are {} times the stated noise of {} um{steps}: the model does not explain all that the bar reads. The sigmas do not include this.",
+            "Residuals of up to {} um rms are {} times {expected}: the model does not explain all that the bar reads. The sigmas do not include this.",
             fixed(worst, 3),
-            fixed(worst / with_steps_um, 1),
-            fixed(bar.noise_um, 3)
+            fixed(worst / expected_um, 1)
         )
     })
 }
