@@ -6,6 +6,7 @@
 
 use super::extend::{Extended, extend};
 use super::found::{Chosen, Rival, Separation};
+use super::price::Price;
 use super::search::NOT_LINEAR;
 use crate::diagnose::thresholds::UNDECIDED_SIGMAS;
 use crate::error::Result;
@@ -26,15 +27,17 @@ pub(crate) fn likelier(
     chosen: &Chosen,
     now: &Extended,
 ) -> Result<Option<Chosen>> {
-    let price = Price::of(now);
-    let both = |of: &Extended| (price.of_mm2(of), price.by_chance_mm2(of));
+    let price = Price::of(&now.residuals.beside(&now.chosen.fitted.columns));
+    let of_mm2 = |of: &Extended| price.of_mm2(of.left_mm(), of.numbers());
+    let by_chance = |of: &Extended| price.by_chance_mm2(of.left_mm(), of.numbers());
+    let both = |of: &Extended| (of_mm2(of), by_chance(of));
     let (mut least_mm2, mut by_chance_mm2) = both(now);
     let mut better = None;
     for effect in 0..chosen.fitted.elements.len() {
         for rival in close(chosen, effect) {
             let Some(instead) = chosen.instead(effect, rival, alone) else { continue };
             let Some(extended) = extend(test, machine, campaign, &instead)? else { continue };
-            let mm2 = price.of_mm2(&extended);
+            let mm2 = of_mm2(&extended);
             if mm2 < least_mm2 && at_the_same_feeds(&extended.campaign, &now.campaign) {
                 (least_mm2, by_chance_mm2) = both(&extended);
                 better = Some(instead);
@@ -45,7 +48,7 @@ pub(crate) fn likelier(
     // exact chain, but for what the curve's numbers gain by chance, is what the curve describes.
     for causes in &chosen.nearly {
         let Some(extended) = extend(test, machine, campaign, causes)? else { continue };
-        let mm2 = price.by_chance_mm2(&extended);
+        let mm2 = by_chance(&extended);
         if mm2 < by_chance_mm2 && at_the_same_feeds(&extended.campaign, &now.campaign) {
             (by_chance_mm2, better) = (mm2, Some(causes.clone()));
         }
@@ -79,37 +82,4 @@ fn close(chosen: &Chosen, effect: usize) -> Vec<usize> {
     close.sort_by(|a, b| rivals[*b].share.total_cmp(&rivals[*a].share));
     close.truncate(CLOSELY);
     close
-}
-
-/// What is left of readings, and what the numbers of effects cost (Schwarz 1978): `S + k v ln n` with `n = S / v` that are
-/// independent.
-struct Price {
-    samples: f64,
-    long_run_mm2: f64,
-    of_a_number_mm2: f64,
-}
-
-impl Price {
-    fn of(now: &Extended) -> Self {
-        let beside = now.residuals.beside(&now.chosen.fitted.columns);
-        let long_run_mm2 = beside.noise().long_run_mm2;
-        let pieces = (beside.left_mm2() / long_run_mm2).max(1.0);
-        let of_a_number_mm2 = long_run_mm2 * pieces.ln();
-        Self { samples: now.residuals.samples() as f64, long_run_mm2, of_a_number_mm2 }
-    }
-
-    /// Of as many readings, however many take part.
-    fn of_mm2(&self, extended: &Extended) -> f64 {
-        self.with_numbers_mm2(extended, self.of_a_number_mm2)
-    }
-
-    /// What is left where each number gains what chance gives it.
-    fn by_chance_mm2(&self, extended: &Extended) -> f64 {
-        self.with_numbers_mm2(extended, self.long_run_mm2)
-    }
-
-    fn with_numbers_mm2(&self, extended: &Extended, of_a_number_mm2: f64) -> f64 {
-        let numbers = extended.chosen.fitted.columns.len() as f64;
-        self.samples * extended.left_mm().powi(2) + numbers * of_a_number_mm2
-    }
 }

@@ -35,6 +35,11 @@ impl Extended {
         let columns = &self.chosen.fitted.columns;
         self.residuals.rms_mm(self.residuals.beside(columns).left_mm2())
     }
+
+    /// How many numbers the effects have.
+    pub(crate) fn numbers(&self) -> usize {
+        self.chosen.fitted.columns.len()
+    }
 }
 
 /// Identifies with the effects held, and fits the effects again, until nothing moves or more is left than before: what a test hardly

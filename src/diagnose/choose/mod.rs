@@ -5,6 +5,7 @@ pub(super) mod extend;
 pub(super) mod found;
 mod in_place;
 mod pair;
+pub(super) mod price;
 mod rivals;
 pub(super) mod run;
 pub(super) mod search;
