@@ -6,6 +6,7 @@ use super::account::gain::{self, Gains};
 use super::choose::exact;
 use super::choose::extend::{self, Extended};
 use super::choose::found::Chosen;
+use super::choose::price::Price;
 use super::choose::run::{self, Again};
 use super::choose::settings::{self, Corrected, WrongSetting};
 use super::choose::tidy::fallen;
@@ -47,6 +48,24 @@ impl Standing {
     ) -> Result<Self> {
         let (corrected, searched) = settings::corrected(test, machine, campaign)?;
         step();
+        let standing = Self::about(test, machine, campaign, (corrected, searched), step)?;
+        if standing.corrected.is_none() {
+            return Ok(standing);
+        }
+        // A setting may explain more than any one effect does and less than two: what stands with the files as they are written.
+        let searched = Residuals::of(test, machine, campaign)?;
+        let stated = Self::about(test, machine, campaign, (None, searched), &|| ())?;
+        Ok(if stated.is_likelier_than(&standing) { stated } else { standing })
+    }
+
+    /// What stands with some settings put right, or none.
+    fn about(
+        test: &Test,
+        machine: &Machine,
+        campaign: &Campaign,
+        (corrected, searched): (Option<Corrected>, Residuals),
+        step: &dyn Fn(),
+    ) -> Result<Self> {
         let (test, machine, campaign) = match &corrected {
             Some(now) => (&now.test, &now.machine, &now.campaign),
             None => (test, machine, campaign),
@@ -140,6 +159,26 @@ impl Standing {
             chosen = now.without(harmful, &searched.alone());
             least = None;
         }
+    }
+
+    /// Whether it costs less than with settings put right.
+    fn is_likelier_than(&self, other: &Self) -> bool {
+        let (residuals, chosen) = other.now();
+        let price = Price::of(&beside(residuals, chosen));
+        let of_mm2 = |of: &Self| price.of_mm2(of.left_mm(), of.numbers());
+        of_mm2(self) < of_mm2(other)
+    }
+
+    /// What is left beside what was found, mm rms.
+    fn left_mm(&self) -> f64 {
+        let alone = || self.searched.rms_mm(self.searched.model_mm2());
+        self.extended.as_ref().map_or_else(alone, Extended::left_mm)
+    }
+
+    /// How many numbers say what was found.
+    fn numbers(&self) -> usize {
+        let settings = self.corrected.as_ref().map_or(0, |now| now.wrong.len());
+        settings + self.extended.as_ref().map_or(0, Extended::numbers)
     }
 
     /// The residuals that the effects are told about, and the effects. About the extended model a few more samples, or

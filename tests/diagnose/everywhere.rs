@@ -184,6 +184,23 @@ fn a_dent_is_told_over_the_place_where_it_is() {
     assert!((dent.at - 114.2).abs() < 7.0, "{dent:?}");
 }
 
+/// A place of a ball that is 59 mm off explains more than either of two effects does, and less than both: 2.7 um to 0.55.
+#[test]
+fn two_effects_are_no_place_of_a_ball() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/bent_and_worn");
+    let (_, _, diagnosis) = judge::diagnosed(&Test::read(&folder.join("test.toml")).unwrap());
+    assert!(diagnosis.wrong_settings.is_empty(), "{:?}", diagnosis.wrong_settings);
+    let seats = [("growing-backlash", 0), ("degree", 1)].map(|(cause, k)| {
+        let shape = diagnosis.findings[k].element.shape().unwrap();
+        assert_eq!(shape.cause.id, cause, "{:?}", diagnosis.findings);
+        shape.seat.to_string()
+    });
+    assert_eq!(seats, ["EYX", "EYX"]);
+    near(&diagnosis.findings[0], "slope_um_m", 163.08);
+    near(&diagnosis.findings[1], "amplitude_um", 118.08);
+    assert!(diagnosis.verdict.after_mm < 0.45e-3, "{}", diagnosis.verdict.after_mm);
+}
+
 /// Three planes in arcs on a control that follows at once: the readings hardly tell a lag from the length of the bar, and what
 /// they tell goes with its square.
 #[test]
