@@ -6,7 +6,8 @@ use crate::log::{Log, Reading};
 /// So many readings at the very limit are none by chance.
 const FEWEST: usize = 10;
 /// The flat top of a smooth curve, read in coarse steps, holds up to 5.3 times the readings of the next step below (a
-/// curve of fourth order, whose top just reaches the step); where more are at the limit, it is one.
+/// curve of fourth order, whose top just reaches the step); where more are at the limit, it is one. A curve that dips twice holds up to
+/// 10 times as many, and its readings are left out for nothing.
 const PILED: usize = 6;
 /// And so many stand one behind the other.
 const TOGETHER: usize = 3;
@@ -16,7 +17,7 @@ const TOGETHER: usize = 3;
 const LEAST_MM: f64 = 0.01;
 
 /// Where the readings of a log end, one way, in more readings than a machine that goes round leaves there.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Limit {
     /// The outermost value, mm.
     pub(super) at_mm: f64,

@@ -30,6 +30,11 @@ impl Engaged {
         Self { log: log.shared(), stretches }
     }
 
+    /// The same of another log of these readings.
+    pub(super) fn of(self, log: &Log) -> Self {
+        Self { log: log.shared(), ..self }
+    }
+
     /// Those that are in range, with the steps of these slips taken out of the ones after them.
     pub(super) fn readings<'a>(&'a self, slips: &'a [Slip]) -> impl Iterator<Item = Reading> + 'a {
         let all = self.stretches.iter().flat_map(|stretch| &self.log[stretch.clone()]);

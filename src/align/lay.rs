@@ -29,9 +29,51 @@ const FARTHEST_LOSS_S: f64 = 30.0;
 /// When the log does not belong to the program, with the reason.
 pub fn align(run: &Run) -> Result<Alignment> {
     let limits = clipped::limits(run.log);
-    if limits.is_empty() {
-        return aligned(run);
+    let laid = cut_off(run, &limits);
+    let engaged = |limit: &&Limit| {
+        limit.at_mm.abs() <= 0.5 * run.rig.bar.range_mm
+            && laid.as_ref().map_or(true, |laid| is_on_arcs(laid, run.log, limit))
+    };
+    let within: Vec<Limit> = limits.iter().filter(engaged).copied().collect();
+    match engaged_throughout(run, &limits, within) {
+        Some(laid) => Ok(laid),
+        None => laid.map_err(|error| said_to_be_cut_off(error, run, &limits)),
     }
+}
+
+/// As a bar that is cut off at some limits within its range, where it is engaged all the same: those readings tell when, and nothing
+/// more. `None` where there is no such limit, it cuts ramps, or the log cannot be laid so.
+fn engaged_throughout(run: &Run, limits: &[Limit], mut within: Vec<Limit>) -> Option<Alignment> {
+    if within.is_empty() {
+        return None;
+    }
+    let others = limits.iter().filter(|limit| !within.contains(limit)).copied();
+    let laid = cut_off(run, &others.collect::<Vec<_>>()).ok()?;
+    if within.iter().any(|limit| cuts_ramps(&laid, limit)) {
+        return None;
+    }
+    within.retain(|limit| !stood_at(&laid, run.log, limit));
+    Some(laid.without(run.log, &within))
+}
+
+/// Whether most readings on ramps are at a limit, so that they do not tell when the bar was engaged.
+fn cuts_ramps(laid: &Alignment, limit: &Limit) -> bool {
+    let readings = laid.every_reading().into_iter();
+    let on_ramps = readings.filter(|sample| matches!(sample.part, Part::Ramp));
+    let at_limit = on_ramps.map(|sample| sample.deviation_mm.total_cmp(&limit.at_mm).is_eq());
+    let (at, others): (Vec<bool>, Vec<bool>) = at_limit.partition(|at| *at);
+    at.len() > others.len()
+}
+
+/// Whether most readings at a limit are laid on arcs, and not where the bar is out of range: an instrument may read its limit there.
+fn is_on_arcs(laid: &Alignment, log: &Log, limit: &Limit) -> bool {
+    let (engaged, others) = laid.readings_at(log, limit.at_mm);
+    let on_arcs = engaged.iter().filter(|sample| matches!(sample.part, Part::Arc(_)));
+    2 * on_arcs.count() > engaged.len() + others.len()
+}
+
+/// Without what was cut off, at whichever of some limits.
+fn cut_off(run: &Run, limits: &[Limit]) -> Result<Alignment> {
     let mut with_all_taken_out = None;
     // Readings at which the machine stood are none that were cut off: without them the log has a hole where the bar read.
     for taken_out in (0..1_usize << limits.len()).rev() {
@@ -50,8 +92,7 @@ pub fn align(run: &Run) -> Result<Alignment> {
         }
         with_all_taken_out.get_or_insert(laid);
     }
-    let laid = with_all_taken_out.unwrap_or_else(|| aligned(run));
-    laid.map_err(|error| said_to_be_cut_off(error, run, &limits))
+    with_all_taken_out.unwrap_or_else(|| aligned(run))
 }
 
 /// A slide that hangs at a standstill still reads as there when its program has moved on for so long, s.

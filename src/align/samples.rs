@@ -5,6 +5,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+use super::clipped::{self, Limit};
 use super::engaged::{Engaged, Slip};
 use super::engagement::Engagement;
 use super::following::{Following, HAIR_S};
@@ -12,6 +13,7 @@ use super::mean_path::MeanPath;
 use super::ramp::Mark;
 use super::section::Section;
 use super::time_map::TimeMap;
+use super::window;
 use crate::log::{Log, Reading};
 use crate::machine::Pose;
 use crate::model::{Averaged, Motion};
@@ -118,6 +120,16 @@ impl Alignment {
         let laid =
             |windows: &[Reading]| self.laid(windows.iter().copied(), self.averaged > 1, following);
         self.windows.par_chunks(AT_ONCE).flat_map_iter(laid).collect()
+    }
+
+    /// Without what was cut off at some limits, the times as they are.
+    pub(super) fn without(self, log: &Log, limits: &[Limit]) -> Self {
+        let (log, cut) = clipped::without(log, limits);
+        let engaged = self.engaged.of(&log);
+        let readings: Vec<Reading> = engaged.readings(&self.slips).collect();
+        let windows = window::means(&readings, self.averaged, log.sample_period_s());
+        let clipped = [self.clipped, cut].concat();
+        Self { engaged, windows: Arc::new(windows), clipped, ..self }
     }
 
     /// Some of these samples, by their indices in order.
