@@ -17,7 +17,7 @@ const TOGETHER: usize = 3;
 const LEAST_MM: f64 = 0.01;
 
 /// Where the readings of a log end, one way, in more readings than a machine that goes round leaves there.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Limit {
     /// The outermost value, mm.
     pub(super) at_mm: f64,

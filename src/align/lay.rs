@@ -30,50 +30,61 @@ const FARTHEST_LOSS_S: f64 = 30.0;
 pub fn align(run: &Run) -> Result<Alignment> {
     let limits = clipped::limits(run.log);
     let laid = cut_off(run, &limits);
-    let engaged = |limit: &&Limit| {
-        limit.at_mm.abs() <= 0.5 * run.rig.bar.range_mm
-            && laid.as_ref().map_or(true, |laid| is_on_arcs(laid, run.log, limit))
+    let engaged = |limit: &Limit| {
+        is_within(run, limit) && laid.as_ref().map_or(true, |laid| is_on_arcs(laid, run, limit))
     };
-    let within: Vec<Limit> = limits.iter().filter(engaged).copied().collect();
-    match engaged_throughout(run, &limits, within) {
+    let (within, others): (Vec<Limit>, Vec<Limit>) = limits.iter().copied().partition(engaged);
+    match engaged_throughout(run, within, &others) {
         Some(laid) => Ok(laid),
         None => laid.map_err(|error| said_to_be_cut_off(error, run, &limits)),
     }
 }
 
 /// As a bar that is cut off at some limits within its range, where it is engaged all the same: those readings tell when, and nothing
-/// more. `None` where there is no such limit, it cuts ramps, or the log cannot be laid so.
-fn engaged_throughout(run: &Run, limits: &[Limit], mut within: Vec<Limit>) -> Option<Alignment> {
+/// more. `None` where there is no such limit, one cuts ramps, or the log cannot be laid so.
+fn engaged_throughout(run: &Run, mut within: Vec<Limit>, others: &[Limit]) -> Option<Alignment> {
     if within.is_empty() {
         return None;
     }
-    let others = limits.iter().filter(|limit| !within.contains(limit)).copied();
-    let laid = cut_off(run, &others.collect::<Vec<_>>()).ok()?;
-    if within.iter().any(|limit| cuts_ramps(&laid, limit)) {
+    let laid = cut_off(run, others).ok()?;
+    if within.iter().any(|limit| cuts_ramps(&laid, run, limit)) {
         return None;
     }
     within.retain(|limit| !stood_at(&laid, run.log, limit));
-    Some(laid.without(run.log, &within))
+    Some(if within.is_empty() { laid } else { laid.without(run.log, &within) })
 }
 
-/// Whether most readings on ramps are at a limit, so that they do not tell when the bar was engaged.
-fn cuts_ramps(laid: &Alignment, limit: &Limit) -> bool {
-    let readings = laid.every_reading().into_iter();
-    let on_ramps = readings.filter(|sample| matches!(sample.part, Part::Ramp));
-    let at_limit = on_ramps.map(|sample| sample.deviation_mm.total_cmp(&limit.at_mm).is_eq());
-    let (at, others): (Vec<bool>, Vec<bool>) = at_limit.partition(|at| *at);
-    at.len() > others.len()
+/// Whether a limit is so near to the nominal length that no instrument reads it while it is out of range.
+fn is_within(run: &Run, limit: &Limit) -> bool {
+    limit.at_mm.abs() <= 0.5 * run.rig.bar.range_mm
+}
+
+/// How far the program holds the balls off at a reading, towards a limit, mm.
+fn towards_mm(laid: &Alignment, run: &Run, limit: &Limit, sample: &Sample) -> f64 {
+    let position_mm = laid.trajectory.at(sample.program_s).position_mm;
+    run.rig.commanded_deviation_mm(&position_mm) * limit.at_mm.signum()
+}
+
+/// Whether readings on ramps are at a limit where the program is still beyond it: such ramps do not tell when the bar was engaged.
+fn cuts_ramps(laid: &Alignment, run: &Run, limit: &Limit) -> bool {
+    let at_limit = laid.readings_at(run.log, limit.at_mm).0;
+    let mut on_ramps = at_limit.iter().filter(|sample| matches!(sample.part, Part::Ramp));
+    on_ramps.any(|sample| towards_mm(laid, run, limit, sample) > limit.at_mm.abs())
 }
 
 /// Whether most readings at a limit are laid on arcs, and not where the bar is out of range: an instrument may read its limit there.
-fn is_on_arcs(laid: &Alignment, log: &Log, limit: &Limit) -> bool {
-    let (engaged, others) = laid.readings_at(log, limit.at_mm);
+fn is_on_arcs(laid: &Alignment, run: &Run, limit: &Limit) -> bool {
+    let (engaged, others) = laid.readings_at(run.log, limit.at_mm);
     let on_arcs = engaged.iter().filter(|sample| matches!(sample.part, Part::Arc(_)));
     2 * on_arcs.count() > engaged.len() + others.len()
 }
 
 /// Without what was cut off, at whichever of some limits.
 fn cut_off(run: &Run, limits: &[Limit]) -> Result<Alignment> {
+    // Millions of readings are not copied to take nothing out of them.
+    if limits.is_empty() {
+        return aligned(run);
+    }
     let mut with_all_taken_out = None;
     // Readings at which the machine stood are none that were cut off: without them the log has a hole where the bar read.
     for taken_out in (0..1_usize << limits.len()).rev() {
@@ -119,11 +130,8 @@ fn stood_at(laid: &Alignment, log: &Log, limit: &Limit) -> bool {
 /// there, and the bar was engaged before.
 fn is_elsewhere(laid: &Alignment, run: &Run, limit: &Limit) -> bool {
     let (engaged, others) = laid.readings_at(run.log, limit.at_mm);
-    let off_mm = |sample: &Sample| {
-        let position_mm = laid.trajectory.at(sample.program_s).position_mm;
-        run.rig.commanded_deviation_mm(&position_mm) * limit.at_mm.signum()
-    };
-    let elsewhere = others.iter().filter(|sample| off_mm(sample) < -0.5 * run.rig.bar.range_mm);
+    let half_mm = 0.5 * run.rig.bar.range_mm;
+    let elsewhere = others.iter().filter(|of| towards_mm(laid, run, limit, of) < -half_mm);
     2 * elsewhere.count() > engaged.len() + others.len()
 }
 
@@ -134,7 +142,7 @@ fn said_to_be_cut_off(error: Error, run: &Run, limits: &[Limit]) -> Error {
         (limit.at_mm, at_mm.filter(|mm| mm.total_cmp(&limit.at_mm).is_eq()).count())
     };
     // A bar that reads its limit while it is out of range is not to blame.
-    let within = limits.iter().find(|limit| limit.at_mm.abs() <= 0.5 * run.rig.bar.range_mm);
+    let within = limits.iter().find(|limit| is_within(run, limit));
     let Some((cut_mm, count)) = within.map(at) else { return error };
     let hint = format!(
         "{count} readings are exactly {:.1} um, and none lies beyond: they were cut off there; find the limit of the bar, its amplifier or the program that wrote the log, and repeat the run",

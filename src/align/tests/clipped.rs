@@ -7,22 +7,26 @@ use crate::log::Reading;
 use crate::model::{Effect, ErrorFunctions};
 use crate::simulate::Noise;
 
+/// A machine without errors, read in steps of 1 um with next to no noise, whose workpiece ball stands off in X by so much, mm.
+fn off_in_x(off_mm: f64, rate_hz: f64, seed: u64) -> Scenario {
+    Scenario {
+        workpiece_ball_mm: Vector3::new(off_mm, 0.0, 0.0),
+        errors: ErrorFunctions::default(),
+        tool_ball_mm: Vector3::zeros(),
+        noise: Noise { white_mm: 2e-5, ..Noise::OFF },
+        sample_rate_hz: Some(rate_hz),
+        resolution_mm: Some(1e-3),
+        ..Scenario::default().with_seed(seed)
+    }
+}
+
 /// The ball stands off towards where the machine dwells between the two ways of the equator: it reads least there, one value
 /// in steps of 1 um, for 3 s. Those readings are right, and without them the bar would seem to have been released.
 #[test]
 fn a_machine_may_stand_at_the_lowest_reading() {
     let bench = Bench::new(ARCS);
     for (seed, rate_hz) in [(1, 50.0), (2, 250.0), (3, 1000.0)] {
-        let scenario = Scenario {
-            workpiece_ball_mm: Vector3::new(0.2997, 0.0, 0.0),
-            errors: ErrorFunctions::default(),
-            tool_ball_mm: Vector3::zeros(),
-            noise: Noise { white_mm: 2e-5, ..Noise::OFF },
-            sample_rate_hz: Some(rate_hz),
-            resolution_mm: Some(1e-3),
-            ..Scenario::default().with_seed(seed)
-        };
-        let run = bench.simulated(&scenario);
+        let run = bench.simulated(&off_in_x(0.2997, rate_hz, seed));
         let log = log_of(&run.csv());
         let (_, cut) = clipped(&log).unwrap();
         let standing = |readings: &[Reading]| {
@@ -43,17 +47,11 @@ fn a_bar_that_is_engaged_at_its_lowest_reading_was_engaged() {
     let bench = Bench::fed(900, "strategy = \"3d6\"\n");
     for (seed, feed_override) in [(1, 1.0), (2, 1.02), (3, 0.97)] {
         let scenario = Scenario {
-            workpiece_ball_mm: Vector3::new(0.045, 0.0, 0.0),
-            errors: ErrorFunctions::default(),
-            tool_ball_mm: Vector3::zeros(),
-            noise: Noise { white_mm: 2e-5, ..Noise::OFF },
-            sample_rate_hz: Some(50.0),
-            resolution_mm: Some(1e-3),
             hidden: vec![
                 Effect::parse("stick-slip:on=X,amplitude_um=-258,speed_mm_min=13").unwrap(),
             ],
             feed_override,
-            ..Scenario::default().with_seed(seed)
+            ..off_in_x(0.045, 50.0, seed)
         };
         let run = bench.simulated(&scenario);
         let alignment = bench.aligned(&log_of(&run.csv())).unwrap();
@@ -71,16 +69,7 @@ fn a_bar_that_is_engaged_at_its_lowest_reading_was_engaged() {
 fn a_bar_that_is_cut_off_where_an_arc_begins_was_engaged() {
     let bench = Bench::fed(900, "strategy = \"3d6\"\n");
     for (seed, rate_hz) in [(1, 10.0), (2, 50.0), (3, 250.0)] {
-        let scenario = Scenario {
-            workpiece_ball_mm: Vector3::new(0.2997, 0.0, 0.0),
-            errors: ErrorFunctions::default(),
-            tool_ball_mm: Vector3::zeros(),
-            noise: Noise { white_mm: 2e-5, ..Noise::OFF },
-            sample_rate_hz: Some(rate_hz),
-            resolution_mm: Some(1e-3),
-            ..Scenario::default().with_seed(seed)
-        };
-        let run = bench.simulated(&scenario);
+        let run = bench.simulated(&off_in_x(0.2997, rate_hz, seed));
         let within = |line: &str| match line.split_once(',') {
             Some((time, um)) if um.parse::<f64>().is_ok_and(|um| um < -150.0) => {
                 format!("{time},-150.0\n")
