@@ -100,6 +100,8 @@ impl Fit<'_> {
         let mut kept: Option<Stand> = None;
         // And whether no part of a step leads down.
         let (mut halvings, mut stuck) = (0, false);
+        // So much of a step leads down, where only down counts: among vertices the way down is shorter than the slope says.
+        let mut part = 1.0_f64;
         let mut before: Option<Unknowns> = None;
         // What was left of a reading lately, mm.
         let mut lately_mm: Vec<f64> = Vec::new();
@@ -170,7 +172,10 @@ impl Fit<'_> {
                 continue;
             }
             let solution = self.held_within_bounds(&rows, solution)?;
-            let step = solution.unknowns().clone();
+            if steps > downhill_after {
+                part *= 0.5_f64.powi(halvings);
+            }
+            let step = solution.unknowns().times(part);
             // Rows are in units of the assumed noise: their rms corrects it.
             let scatter = self.state.correlated * solution.shared().residual_norm() / count.sqrt();
             let coming = coming(std::mem::replace(&mut last_scatter, scatter), scatter, choosing);
@@ -185,10 +190,8 @@ impl Fit<'_> {
             halvings = 0;
             let [near, enough] = comes_near(detail, rows.change(&step), scatter, count);
             // To and fro, over a vertex or from one choice of samples to the next, is told by the steps themselves.
-            let step = match &before {
-                Some(last) if takes_back(&rows, last, &step) => step.times(0.5),
-                _ => step,
-            };
+            let back = before.is_some_and(|last| takes_back(&rows, &last, &step));
+            let step = step.times(if back { 0.5 } else { 1.0 });
             before = Some(step.clone());
             let stand = self.stand(left_mm, step, solution, scatter, near);
             self.apply(&stand.step, &stand.solution);
@@ -200,10 +203,7 @@ impl Fit<'_> {
             if steps == MOST_STEPS && near {
                 return Ok(self.hardly_settled(stand, detail));
             }
-            if steps <= FINDING_STEPS && self.state.correlated <= 1.0 {
-                self.state.sigma_mm =
-                    (self.state.sigma_mm * scatter).max(1e-3 * self.options.noise_mm);
-            }
+            self.find_noise(steps, stand.scatter);
             lately_mm.push(stand.left_mm);
             kept = Some(stand);
         }
@@ -211,6 +211,14 @@ impl Fit<'_> {
         let Some(stand) = kept.filter(|stand| stand.near) else { return Err(unsettled()) };
         self.stand_at(&stand);
         Ok(self.hardly_settled(stand, detail))
+    }
+
+    /// The noise that the first steps left, until it is known how neighbours err alike.
+    fn find_noise(&mut self, steps: usize, scatter: f64) {
+        if steps <= FINDING_STEPS && self.state.correlated <= 1.0 {
+            let least_mm = 1e-3 * self.options.noise_mm;
+            self.state.sigma_mm = (self.state.sigma_mm * scatter).max(least_mm);
+        }
     }
 
     /// Takes half as much of a step as before, from where it began; whether there is less to take, or it stands there again.
