@@ -1,30 +1,20 @@
 //! The way from times that are known to a second to the chords of the path.
 
-use std::slice;
-
-use super::facets::{self, Doubt, Look};
+use super::elsewhere::BETTER;
+use super::facets::{self, Look};
 use super::fit::{Fit, Outcome};
-use super::state::{State, apart};
+use super::state::State;
 use super::timing::Detail;
 use crate::align::TimeMap;
 use crate::error::Result;
-use crate::solve::{Triangle, Tsqr};
 
 /// So often facets are looked for again.
 const MOST_LOOKS: usize = 3;
-/// A doubtful leg is tried at so many other places.
-const MOST_PLACES: usize = 4;
-/// And stays there if the residual falls below this share of what it was.
-const BETTER: f64 = 0.999;
-/// A place is tried if a step foretells that no more than this is left there, of what is left before: of 150 places that were tried
-/// to see, those that gained nothing were foretold to a hundredth, and those that gained were foretold to leave at most half a
-/// hundredth more.
-const WORTH_TRYING: f64 = 1.01;
 /// Noise that counts for less than this is the noise of single readings: a chord that is found with the one is found with the other.
 const MATTERS: f64 = 2.0;
 
 /// Where a fit stood: state and times.
-type Kept = (State, Vec<TimeMap>);
+pub(super) type Kept = (State, Vec<TimeMap>);
 
 impl Fit<'_> {
     /// Whether any leg is known to no better than the facets of the path can tell apart.
@@ -49,89 +39,6 @@ impl Fit<'_> {
             }
         }
         found
-    }
-
-    /// Fits again with every doubtful leg where else it could lie, and keeps what fits better.
-    fn try_elsewhere(&mut self, mut best: Outcome) -> Outcome {
-        let mut rows: Option<Vec<Triangle>> = None;
-        for index in 0..self.runs.len() {
-            let (values, apart) = (&self.state.values, &self.state.apart[index]);
-            let doubts = facets::doubts(self.model, values, &self.runs[index], apart);
-            for doubt in doubts {
-                match self.try_leg(index, &doubt, &mut rows) {
-                    Ok(Some(outcome)) => best = outcome,
-                    Ok(None) => {}
-                    Err(_) => return best,
-                }
-            }
-        }
-        best
-    }
-
-    /// Fits again with a leg where else it could lie, and stays where it fits better. Rows of all runs are kept as long as it stays
-    /// where it was.
-    fn try_leg(
-        &mut self,
-        index: usize,
-        doubt: &Doubt,
-        rows: &mut Option<Vec<Triangle>>,
-    ) -> Result<Option<Outcome>> {
-        if doubt.shifts_s.is_empty() {
-            return Ok(None);
-        }
-        let here = match rows.take() {
-            Some(here) => here,
-            None => self.rows_of_runs(Detail::Full)?,
-        };
-        let left = self.left_by(here.clone())?;
-        let others = self.fold_run(index, |index, rows| {
-            self.push_samples(index, Detail::Full, |leg| leg != doubt.leg, rows);
-        })?;
-        for shift_s in doubt.shifts_s.iter().take(MOST_PLACES) {
-            let kept = self.kept();
-            let better_mm = BETTER * kept.0.sigma_mm;
-            let foretold = self.left_elsewhere(index, (doubt.leg, *shift_s), &here, &others);
-            if foretold.is_ok_and(|foretold| foretold < WORTH_TRYING * left) {
-                match self.iterate_below(Detail::Full, better_mm) {
-                    Ok(outcome) if self.state.sigma_mm < better_mm => return Ok(Some(outcome)),
-                    _ => {}
-                }
-            }
-            self.back_to(kept);
-        }
-        *rows = Some(here);
-        Ok(None)
-    }
-
-    /// What the linear problem of all runs leaves, in units of the noise.
-    fn left_by(&self, rows: Vec<Triangle>) -> Result<f64> {
-        let rows = self.joined(rows)?;
-        Ok(rows.shared().residual_norm() / self.counted(&rows).sqrt())
-    }
-
-    /// Moves a leg by so much, s, and what the linear problem of all runs leaves there, whose rows were these before, and those of
-    /// other legs of the run these: all that answers to the place of a leg answers in it. A step of one leg takes a hundredth of the
-    /// time that a fit takes.
-    fn left_elsewhere(
-        &mut self,
-        index: usize,
-        (leg, shift_s): (usize, f64),
-        before: &[Triangle],
-        others: &Triangle,
-    ) -> Result<f64> {
-        let run = &mut self.runs[index];
-        run.alignment.time_map.offsets_s[leg] -= shift_s;
-        run.place();
-        // What takes part in both places.
-        let there = apart(slice::from_ref(&self.runs[index]), Detail::Full.guard_s());
-        let both = self.state.apart[index].iter_mut().zip(there.into_iter().flatten());
-        both.for_each(|(here, there)| *here = here.or(there));
-        let mut there = Tsqr::of(others);
-        self.push_samples(index, Detail::Full, |of| of == leg, &mut there);
-        self.push_times(index, &mut there);
-        let mut rows = before.to_vec();
-        rows[index] = there.finish()?;
-        self.left_by(rows)
     }
 
     /// With offsets known to a second, the facets of the chorded path only mislead: fits the smooth
@@ -181,13 +88,13 @@ impl Fit<'_> {
     }
 
     /// Where the fit stands.
-    fn kept(&self) -> Kept {
+    pub(super) fn kept(&self) -> Kept {
         let maps = self.runs.iter().map(|run| run.alignment.time_map.clone()).collect();
         (self.state.clone(), maps)
     }
 
     /// Goes back to where it stood.
-    fn back_to(&mut self, (state, maps): Kept) {
+    pub(super) fn back_to(&mut self, (state, maps): Kept) {
         self.state = state;
         for (run, map) in self.runs.iter_mut().zip(maps) {
             run.alignment.time_map = map;

@@ -5,10 +5,8 @@ use rayon::prelude::*;
 use super::input::RunInput;
 use super::leg_path::Senses;
 use super::leg_readings::{LegReadings, Misfit};
-use super::record::Apart;
-use super::timing::{Detail, stride, view};
-use crate::align::{MarkKind, TimeMap};
-use crate::machine::Pose;
+use super::timing::stride;
+use crate::align::TimeMap;
 use crate::model::Model;
 
 /// And of a leg without chords, or with long ones, of its reversals, s.
@@ -16,7 +14,7 @@ const CATCH_S: f64 = 0.02;
 /// Farther than this from the smooth fit no facet is looked for, s.
 const FARTHEST_S: f64 = 2.0;
 /// Steps of the search in a catch.
-const STEPS_A_CATCH: f64 = 8.0;
+pub(super) const STEPS_A_CATCH: f64 = 8.0;
 /// And where no other place is looked at, but how much of its facets is left: a sixteenth of a chord.
 const STEPS_WITHIN: f64 = 4.0;
 /// And most steps either way.
@@ -228,86 +226,6 @@ impl Looked {
     }
 }
 
-/// A leg that leaves this many times the mean square of the others did not find its facets.
-const SUSPICIOUS: f64 = 1.5;
-
-/// A leg that may lie some chords off, and where else it could lie.
-pub(super) struct Doubt {
-    pub(super) leg: usize,
-    /// Shifts of the leg, s, the best first.
-    pub(super) shifts_s: Vec<f64>,
-}
-
-/// Legs without a ramp whose chords were found and that fit worse than the others do, now that the coefficients are known, by the
-/// samples that take part: why the others do not is told. A leg that counts by its mean lies on no chord.
-///
-/// The coefficients have adapted to a wrong leg as well as they could, so a better place need not look
-/// better before they are fitted again: the caller tries each.
-pub(super) fn doubts(
-    model: &Model,
-    values: &[f64],
-    run: &RunInput,
-    apart: &[Option<Apart>],
-) -> Vec<Doubt> {
-    let stride = stride(run.samples().len());
-    let of_leg = |leg: usize| {
-        let taken = run.samples().iter().zip(apart).step_by(stride);
-        taken
-            .filter(move |(sample, apart)| sample.leg == leg && apart.is_none())
-            .map(|taken| taken.0)
-    };
-    let left_mm2 = |leg: usize| {
-        let left_mm2 = of_leg(leg)
-            .map(|sample| view(model, values, run, sample, Detail::Full).residual_mm.powi(2));
-        left_mm2.sum::<f64>() / of_leg(leg).count().max(1) as f64
-    };
-    let misfit = |leg: usize, shift_s: f64| {
-        let misfits = of_leg(leg).map(|sample| {
-            let state = run.alignment.trajectory.at_near(sample.program_s + shift_s, sample.block);
-            let pose = Pose { position_mm: state.position_mm, sense: state.sense };
-            let length_mm = model.length_mm(values, &pose, &sample.motion, run.mounting);
-            (sample.deviation_mm - (length_mm - run.nominal_mm)).powi(2)
-        });
-        misfits.sum::<f64>()
-    };
-    let map = &run.alignment.time_map;
-    let mut legs = run.alignment.legs();
-    legs.retain(|leg| map.chords[*leg].blur_s <= 0.0);
-    let found: Vec<f64> = legs.iter().map(|&leg| left_mm2(leg)).collect();
-    let mut sorted = found.clone();
-    sorted.sort_by(f64::total_cmp);
-    let Some(usual) = sorted.get(sorted.len() / 2) else { return Vec::new() };
-    // A ramp tells the time of its leg.
-    let coarse = |leg: usize| {
-        let marks = &mut run.alignment.marks.iter();
-        !marks.any(|m| m.kind != MarkKind::Standstill && map.leg_of(m.program_s) == leg)
-    };
-    let suspicious = legs
-        .iter()
-        .zip(&found)
-        .filter(|(leg, found)| coarse(**leg) && **found > SUSPICIOUS * usual);
-    suspicious
-        .map(|(&leg, _)| {
-            let catch_s = catch_s(map, leg);
-            let step_s = 2.0 * catch_s / STEPS_A_CATCH;
-            let reach = (10.0 * catch_s / step_s) as i32;
-            let curve: Vec<(f64, f64)> = (-reach..=reach)
-                .map(|k| f64::from(k) * step_s)
-                .map(|shift_s| (shift_s, misfit(leg, shift_s)))
-                .collect();
-            let lowest_near = |peak: &(f64, f64)| {
-                let near = curve.iter().filter(|one| (one.0 - peak.0).abs() < 2.0 * catch_s);
-                near.fold(f64::INFINITY, |lowest, one| lowest.min(one.1)) >= peak.1
-            };
-            let mut elsewhere = peaks(&curve);
-            // Places of a leg are a chord apart: what lies nearer to a lower one is noise.
-            elsewhere.retain(|peak| peak.0.abs() > catch_s && lowest_near(peak));
-            elsewhere.sort_by(|a, b| a.1.total_cmp(&b.1));
-            Doubt { leg, shifts_s: elsewhere.iter().map(|peak| peak.0).collect() }
-        })
-        .collect()
-}
-
 /// Of shifts with minus the logarithm of how likely each is: mass, and moments about one of them, s and s²; the last one of those that
 /// are more than a catch from it. The likeliest has the mass 1.
 fn moments(costs: &[(f64, f64)], about_s: f64, catch_s: f64) -> [f64; 4] {
@@ -324,7 +242,7 @@ fn moments(costs: &[(f64, f64)], about_s: f64, catch_s: f64) -> [f64; 4] {
 
 /// Lowest points of a sampled curve, each between its samples by the parabola through three of them. How low is what was
 /// sampled: beside a step a parabola goes far below.
-fn peaks(curve: &[(f64, f64)]) -> Vec<(f64, f64)> {
+pub(super) fn peaks(curve: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let lowest =
         curve.windows(3).filter(|three| three[1].1 <= three[0].1 && three[1].1 <= three[2].1);
     let mut peaks: Vec<(f64, f64)> = lowest

@@ -25,6 +25,7 @@ mod coarse;
 mod columns;
 mod complete;
 mod effects;
+mod elsewhere;
 mod exchanged;
 mod facets;
 mod fit;
