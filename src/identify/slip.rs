@@ -53,6 +53,8 @@ pub(super) fn identify_beside_slips(
     }
     let mut runs = runs;
     let mut best = identify(model, runs.clone(), options);
+    // The linear problem about the best fit, once one asks for it.
+    let mut linear: Option<Linearised> = None;
     for (index, slip) in seen {
         if best.as_ref().is_ok_and(|plain| explains(plain, index, &slip)) {
             continue;
@@ -64,8 +66,16 @@ pub(super) fn identify_beside_slips(
             runs[index] = RunInput::new(name, mounting, nominal_mm, alignment);
             runs
         };
-        // What is none, such as a spike where a slide turns, leaves more without it where the readings lie already: no way is sought
-        // anew for that.
+        // What is none, such as a spike where a slide turns, leaves more without it where the readings lie already, in the linear
+        // problem or on the way from there: no way is sought anew for that.
+        if linear.is_none()
+            && let Ok(plain) = &best
+        {
+            linear = Some(plain.linearised(model, options)?);
+        }
+        if linear.as_ref().is_some_and(|linear| leaves_more(linear, index, &slip)) {
+            continue;
+        }
         let worse = |plain: &Identification| {
             let runs = laid_as(plain, without(slip.step_mm));
             let there = identify_on(model, runs, plain, options);
@@ -91,6 +101,7 @@ pub(super) fn identify_beside_slips(
         if better && !is_of_a_ball(&fitted, model, options, index, &Slip { step_mm, ..slip })? {
             runs = without(step_mm);
             best = Ok(fitted);
+            linear = None;
         }
     }
     best
@@ -108,6 +119,14 @@ fn laid_as(fit: &Identification, mut runs: Vec<RunInput>) -> Vec<RunInput> {
         run.place();
     }
     runs
+}
+
+/// Whether more is left in the linear problem about a fit with a step taken out as it was seen: by `s² c P c - 2 s c R`, with the
+/// letters of [`is_of_a_ball`].
+fn leaves_more(linear: &Linearised, index: usize, slip: &Slip) -> bool {
+    let column = stepped(linear, index, slip, &|_| 1.0);
+    let own = dot(&column, &linear.basis.outside(&column));
+    slip.step_mm * (slip.step_mm * own - 2.0 * dot(&column, &left_mm(linear))) >= 0.0
 }
 
 /// Whether a ball that moved at the moment of a slip explains more than the slip, which the readings of this fit are
