@@ -1,7 +1,7 @@
 //! Steps of the readings where the machine moves on smoothly: a bar that slipped in its clamp.
 //!
-//! On either side of a moment the readings of a moment are a straight line. Where the two lines do not meet, while
-//! no slide turns round, something stepped: by how much is known to what the lines of other moments miss each other by.
+//! On either side of a moment the readings of a moment are a straight line. Where the two lines do not meet something stepped: by how
+//! much is known to what the lines of other moments miss each other by.
 
 use std::sync::Arc;
 
@@ -15,6 +15,9 @@ use crate::solve;
 const SIDE_S: f64 = 0.25;
 /// But so many samples at least, of which a line takes two.
 const FEWEST: usize = 6;
+/// Beside a slide that turns round a line of one side of that is not longer. What a slide does there steps readings, too, once each time;
+/// which it was, a fit tells. Through two readings a line that leads over a step misses the other one by as much as the step.
+const SHORTEST: usize = 3;
 /// Lines that miss each other by more than so many times what is usual in the run are a step.
 const FAR_OFF: f64 = 10.0;
 /// And no slide turns round so near to either line, s, beside three standard deviations of its time: slides follow late
@@ -24,43 +27,62 @@ const LATE_S: f64 = 0.05;
 const MOST: usize = 3;
 
 impl Alignment {
-    /// Moments at which the readings step, the largest first.
+    /// Moments at which the readings step, the largest first: away from where a slide turns round, then beside.
     pub fn steps_of_readings(&self) -> Vec<Slip> {
         let samples = self.samples();
         let side = ((SIDE_S / self.sample_period_s) as usize).max(FEWEST);
-        let longest_s = Log::GAP_PERIODS * self.sample_period_s;
         let turns_s = self.trajectory.reversals_s();
-        let turns_between = |first: &Sample, last: &Sample| {
+        let turns_beside = |k: usize| {
+            let first = &samples[k.saturating_sub(side)];
+            let last = &samples[(k + side).min(samples.len() - 1)];
             let from_s = first.program_s - 3.0 * first.time_sigma_s - LATE_S;
             let to_s = last.program_s + 3.0 * last.time_sigma_s + LATE_S;
             turns_s.get(turns_s.partition_point(|t| *t < from_s)).is_some_and(|t| *t <= to_s)
         };
-        let mut missed: Vec<(usize, f64)> = (side..samples.len().saturating_sub(side))
-            .filter_map(|k| {
-                // The sample in between may be a mean over the step.
-                let (before, after) = (&samples[k - side..k], &samples[k + 1..=k + side]);
-                let quiet = smooth(before, longest_s) && smooth(after, longest_s);
-                let on = quiet && !turns_between(&before[0], &after[side - 1]);
-                let at_s = samples[k].log_s;
-                on.then(|| (k, line_at_mm(after, at_s) - line_at_mm(before, at_s)))
-            })
-            .collect();
-        let Some(scale_mm) =
-            solve::robust_scale(&mut missed.iter().map(|of| of.1).collect::<Vec<_>>())
-        else {
-            return Vec::new();
+        let mut away = self.missed(side);
+        away.retain(|(k, _)| !turns_beside(*k));
+        let beside = self.missed(SHORTEST);
+        let [scale_mm, beside_mm] = [&away, &beside].map(|of| scale_mm(of));
+        let mut steps = self.far_off(away, scale_mm, side, MOST);
+        let beside = beside.into_iter().filter(|(k, _)| turns_beside(*k)).collect();
+        steps.extend(self.far_off(beside, beside_mm, side, turns_s.len()));
+        steps
+    }
+
+    /// By how much the lines through so many samples on either side of a sample miss each other there, mm, where the bar is engaged.
+    fn missed(&self, side: usize) -> Vec<(usize, f64)> {
+        let samples = self.samples();
+        let longest_s = Log::GAP_PERIODS * self.sample_period_s;
+        let missed = |k: usize| {
+            // The sample in between may be a mean over the step.
+            let (before, after) = (&samples[k - side..k], &samples[k + 1..=k + side]);
+            let at_s = samples[k].log_s;
+            let quiet = smooth(before, longest_s) && smooth(after, longest_s);
+            quiet.then(|| (k, line_at_mm(after, at_s) - line_at_mm(before, at_s)))
         };
-        missed.retain(|(_, step_mm)| step_mm.abs() > FAR_OFF * scale_mm);
+        (side..samples.len().saturating_sub(side)).filter_map(missed).collect()
+    }
+
+    /// So many of what lines miss each other by, the largest that are far from what is usual.
+    fn far_off(
+        &self,
+        mut missed: Vec<(usize, f64)>,
+        usual_mm: f64,
+        side: usize,
+        most: usize,
+    ) -> Vec<Slip> {
+        missed.retain(|(_, step_mm)| step_mm.abs() > FAR_OFF * usual_mm);
         missed.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
         let mut steps: Vec<(usize, f64)> = Vec::new();
         for (k, step_mm) in missed {
-            if steps.len() < MOST && steps.iter().all(|(other, _)| k.abs_diff(*other) > side) {
+            if steps.len() < most && steps.iter().all(|(other, _)| k.abs_diff(*other) > side) {
                 steps.push((k, step_mm));
             }
         }
+        let samples = self.samples();
         let slip = |(k, step_mm): (usize, f64)| {
             let (log_s, line) = self.largest_change(samples[k - 1].log_s, samples[k + 1].log_s)?;
-            Some(Slip { log_s, line, step_mm, sigma_mm: scale_mm })
+            Some(Slip { log_s, line, step_mm, sigma_mm: usual_mm })
         };
         steps.into_iter().filter_map(slip).collect()
     }
@@ -97,6 +119,12 @@ impl Alignment {
         self.slips.push(slip);
         self
     }
+}
+
+/// What lines usually miss each other by, mm.
+fn scale_mm(missed: &[(usize, f64)]) -> f64 {
+    let mut missed_mm: Vec<f64> = missed.iter().map(|of| of.1).collect();
+    solve::robust_scale(&mut missed_mm).unwrap_or(f64::INFINITY)
 }
 
 /// Whether the bar is engaged throughout, without a gap.

@@ -166,6 +166,23 @@ fn a_bar_that_slipped() {
     }
 }
 
+/// There a slide that turns round steps the readings as well.
+#[test]
+fn a_bar_that_slipped_where_a_slide_turned_round() {
+    for (at_s, step_um) in [(78.4, 33.7), (97.37, 87.9)] {
+        let slipped = |(s, um): Line| (s, um.map(|um| if s > at_s { um + step_um } else { um }));
+        let analysis = analysed(&changed("planar250", "O4002.nc", slipped));
+        let told = caution(&analysis, "the readings step by");
+        let (_, step) = told.split_once("step by ").unwrap();
+        let step: f64 = step.split_whitespace().next().unwrap().parse().unwrap();
+        assert!((step - step_um).abs() < 0.5, "{told}");
+        // What is in the data all the same, in its order.
+        let findings = analysis["diagnosis"]["findings"].as_array().unwrap();
+        let named: Vec<&str> = findings.iter().filter_map(|one| one["cause"].as_str()).collect();
+        assert_eq!(named[..2], ["servo", "cyclic"], "{named:?}");
+    }
+}
+
 #[test]
 fn a_bar_that_slipped_while_it_did_not_read() {
     let slipped = |(s, um): Line| match um {
