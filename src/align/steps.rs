@@ -28,6 +28,8 @@ pub struct TimeStep {
     pub after: usize,
     /// How much program time passed there that is not in the log, s; negative where the log has more.
     pub lost_s: f64,
+    /// By how much that plausibly differs from what passes at other arcs, s: standstills are not alike.
+    pub sigma_s: f64,
 }
 
 /// Step of the search, s; at 1500 mm/min a chord of 0.65 mm takes 26 ms.
@@ -136,6 +138,7 @@ impl Alignment {
                 after: two[1].section,
                 // A standstill between them may have taken in a part of it.
                 lost_s: two[1].shift_s - two[0].shift_s - stood_s(&two[0], &two[1]),
+                sigma_s: self.time_map.stands_s(leg(&two[0]), leg(&two[1]))[1],
             })
             .collect();
         if steps.len() < 3 {

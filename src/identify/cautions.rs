@@ -10,6 +10,8 @@ use crate::solve::Loss;
 
 /// A step of time that shows beyond the resolution of the chords, s.
 const STEP_S: f64 = 0.04;
+/// And beyond so many standard deviations of how standstills differ, or of how their times are known.
+const PLAUSIBLY: f64 = 3.0;
 /// Most that a step can be when the clock's tolerance has absorbed it, s, with some to spare.
 const REACH_S: f64 = 0.5;
 /// A program may touch the end of the travel, and files are rounded, mm.
@@ -74,7 +76,10 @@ impl Identification {
 }
 
 fn step(run: &str, alignment: &Alignment) -> Option<String> {
-    let step = alignment.time_step(REACH_S).filter(|step| step.lost_s.abs() > STEP_S)?;
+    let step = alignment.time_step(REACH_S)?;
+    if step.lost_s.abs() < STEP_S + PLAUSIBLY * step.sigma_s {
+        return None;
+    }
     let name = |index: usize| &alignment.sections[index].name;
     let what =
         if step.lost_s > 0.0 { "are missing from the log" } else { "too many are in the log" };
@@ -86,20 +91,23 @@ fn step(run: &str, alignment: &Alignment) -> Option<String> {
     ))
 }
 
-/// A standstill that seems shorter than its program: no control does that.
+/// A standstill that is shorter than its program, beyond what is known of the times of its arcs: no control does that.
 fn short(run: &str, alignment: &Alignment) -> Option<String> {
     let map = &alignment.time_map;
-    let stood = map.breaks().iter().zip(map.stood_s()).filter(|(at, _)| !at.operator);
-    let known = stood.filter_map(|(at, stood_s)| Some((at.program_s, stood_s?)));
-    let (program_s, stood_s) = known.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let sigma_s = |at: usize| map.offset_sigmas_s[at].hypot(map.offset_sigmas_s[at + 1]);
+    let stood = map.breaks().iter().zip(map.stood_s()).enumerate();
+    let known = stood.filter(|(_, (at, _))| !at.operator).filter_map(|(k, (at, stood_s))| {
+        let stood_s = stood_s?;
+        Some((at.program_s, stood_s, stood_s + PLAUSIBLY * sigma_s(k)))
+    });
+    let (program_s, stood_s, _) =
+        known.filter(|of| of.2 < -STEP_S).min_by(|a, b| a.1.total_cmp(&b.1))?;
     let after = alignment.sections.iter().position(|section| section.end_s > program_s)?;
     let before = alignment.sections.get(after.checked_sub(1)?)?;
-    (stood_s < -STEP_S).then(|| {
-        format!(
-            "{run}: between `{}` and `{}`, {:.2} s are missing from the log",
-            before.name, alignment.sections[after].name, -stood_s
-        )
-    })
+    Some(format!(
+        "{run}: between `{}` and `{}`, {:.2} s are missing from the log",
+        before.name, alignment.sections[after].name, -stood_s
+    ))
 }
 
 /// A place outside of the travel: the program ran, so a file has it wrong.
