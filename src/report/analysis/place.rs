@@ -46,6 +46,20 @@ impl PlaceResult {
         1.0 - (all / plausible.max(f64::MIN_POSITIVE)).powi(2) < SEEN && self.value.abs() < all
     }
 
+    /// With what is not known of the bar in *all* of a scale.
+    fn beside_bar(mut self, bar_um_m: Option<f64>) -> Self {
+        if self.is_scale() {
+            (self.all, self.looks_like) =
+                beside_bar(bar_um_m, self.noise.unwrap_or(0.0), self.all, self.looks_like);
+        }
+        self
+    }
+
+    /// Whether it is the scale of an axis.
+    pub(in crate::report) fn is_scale(&self) -> bool {
+        self.quantity.starts_with("scale ")
+    }
+
     /// What a reader should know of it, where the test leaves much more open than noise does.
     pub(super) fn caution(&self) -> Option<String> {
         // Of angles one set-up shows little: that is told once, and not of each.
@@ -95,7 +109,33 @@ pub(super) fn of(test: &Test, machine: &Machine, campaign: &Campaign) -> Vec<Pla
         std::iter::once(result).chain(reduced)
     };
     let of_one_test = identify::of_one_test(&campaign.repeats);
-    (0..asked).map(|k| over_repeats(&each, k, of_one_test)).flat_map(with_temperature).collect()
+    let bar_um_m = bar_um_m(test);
+    (0..asked)
+        .map(|k| over_repeats(&each, k, of_one_test).beside_bar(bar_um_m))
+        .flat_map(with_temperature)
+        .collect()
+}
+
+/// *All* of a scale with what is not known of the length of the bar, um/m, and what looks the same: a bar that is longer than it is called
+/// reads as a smaller scale of every axis.
+pub(in crate::report) fn beside_bar(
+    bar_um_m: Option<f64>,
+    noise: f64,
+    all: Option<f64>,
+    mut looks_like: Vec<String>,
+) -> (Option<f64>, Vec<String>) {
+    let Some(bar_um_m) = bar_um_m else { return (all, looks_like) };
+    if bar_um_m > OPEN * noise {
+        looks_like.insert(0, "a bar of another length".to_owned());
+    }
+    (all.map(|all| all.hypot(bar_um_m)), looks_like)
+}
+
+/// What is not known of the length of the bar, as a scale of all axes; of several bars, of the shortest. `None` where it is not stated.
+pub(in crate::report) fn bar_um_m(test: &Test) -> Option<f64> {
+    let sigma_mm = test.ball_bar().length_sigma_mm?;
+    let shortest_mm = test.mountings().iter().map(|mounting| mounting.bar_length_mm);
+    Some(1e6 * sigma_mm / shortest_mm.fold(f64::INFINITY, f64::min))
 }
 
 /// A scale as it is at 20 degrees, where the record says how warm machine and bar were.

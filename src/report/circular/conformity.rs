@@ -43,11 +43,15 @@ fn item(of: Judged, limit: f64, unit: &'static str) -> ConformityItem {
     }
 }
 
-/// Judges all that has a tolerance; `None` where nothing has.
+/// What to state where it is not known how long the bar is: a scale of all axes and a longer bar look the same.
+const NO_LENGTH: &str = "`length_sigma_um` is not stated: how well the length of the bar is known";
+
+/// Judges all that has a tolerance; `None` where nothing has. A scale is judged where it is stated how well the length of the bar is known.
 pub(super) fn of(
     tolerance: &Tolerance,
     tests: &[CircularResult],
     at_the_place: &[PlaceResult],
+    knows_length: bool,
 ) -> Option<ConformityResult> {
     let mut items = Vec::new();
     let circular = [
@@ -77,8 +81,13 @@ pub(super) fn of(
             at_the_place.iter().filter(of_it).filter(|p| !known_at_20_c(p)).map(|place| Judged {
                 quantity: place.quantity.clone(),
                 value: place.value.abs(),
-                sigma: place.all,
-                why: "the terms that were asked for do not say what else would look the same",
+                sigma: place.all.filter(|_| knows_length || !place.is_scale()),
+                why: match place.all {
+                    Some(_) => NO_LENGTH,
+                    None => {
+                        "the terms that were asked for do not say what else would look the same"
+                    }
+                },
             });
         items.extend(or_unmeasured(of_all.collect(), name, limit, unit));
     }
@@ -124,12 +133,7 @@ fn or_unmeasured(
 }
 
 fn judged(quantity: String, of: &CircularValue) -> Judged {
-    Judged {
-        quantity,
-        value: of.value_um.abs(),
-        sigma: of.sigma_um,
-        why: "`length_sigma_um` is not stated: how well the length of the bar is known",
-    }
+    Judged { quantity, value: of.value_um.abs(), sigma: of.sigma_um, why: NO_LENGTH }
 }
 
 fn ways(test: &CircularResult) -> Vec<Judged> {
@@ -208,14 +212,19 @@ mod tests {
         let unknown = place("squareness YZ", 1.0, None);
         let [warm, cold] =
             [("scale X", 40.0), ("scale X at 20 C", 1.0)].map(|(of, v)| place(of, v, Some(1.0)));
-        let scales = of(&tolerance, &[], &[warm, cold]).unwrap();
+        let scales = of(&tolerance, &[], &[warm, cold.clone()], true).unwrap();
         let told: Vec<&str> = scales.items.iter().map(|item| item.quantity.as_str()).collect();
         assert_eq!(told, ["squareness", "scale X at 20 C"]);
-        let judged = of(&tolerance, &[], &[known, unknown.clone()]).unwrap();
+        assert_eq!(scales.items[1].verdict, Verdict::Pass);
+        // A bar of another length would look the same.
+        let of_any_bar = of(&tolerance, &[], &[cold], false).unwrap();
+        assert_eq!(of_any_bar.items[1].verdict, Verdict::NotDecided);
+        assert!(of_any_bar.items[1].why.contains("length_sigma_um"), "{of_any_bar:?}");
+        let judged = of(&tolerance, &[], &[known, unknown.clone()], false).unwrap();
         let verdicts: Vec<Verdict> = judged.items.iter().map(|item| item.verdict).collect();
         assert_eq!(verdicts, [Verdict::Fail, Verdict::NotDecided, Verdict::NotDecided]);
         assert_eq!(judged.verdict, Verdict::Fail);
         assert_eq!(judged.items[2].value, None);
-        assert_eq!(of(&Tolerance::default(), &[], &[unknown]), None);
+        assert_eq!(of(&Tolerance::default(), &[], &[unknown], true), None);
     }
 }

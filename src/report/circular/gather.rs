@@ -26,7 +26,12 @@ impl CircularFacts {
                 Err(error) => untold.push(format!("Repeat {repeat}: {}.", error.what)),
             }
         }
-        let conformity = conformity::of(test.tolerance(), &tests, at_the_place);
+        let conformity = conformity::of(
+            test.tolerance(),
+            &tests,
+            at_the_place,
+            test.ball_bar().length_sigma_mm.is_some(),
+        );
         Self { tests, untold, conformity }
     }
 }

@@ -9,7 +9,7 @@ use super::facts::{
 };
 use super::planned::Planned;
 use crate::design::{self, Outlook, TimeByKind, VolumeSigma};
-use crate::identify::{self, Answer};
+use crate::identify::{self, Answer, Asked};
 use crate::machine::{Axis, Machine};
 use crate::report::analysis::cautions::DETERMINED;
 use crate::report::analysis::gather::{ball_bar_facts, machine_facts};
@@ -75,6 +75,8 @@ fn test_outlook(planned: &Planned, repeated: Repeated) -> TestOutlook {
         reason: unseen.reason.clone(),
         remedies: unseen.remedies.clone(),
     });
+    let bar_um_m = place::bar_um_m(test);
+    let places = outlook.at_the_place.iter().map(|a| at_the_place(a, repeated, bar_um_m));
     let mut told = TestOutlook {
         name: outlook.name.clone(),
         file: test.file().display().to_string(),
@@ -96,7 +98,7 @@ fn test_outlook(planned: &Planned, repeated: Repeated) -> TestOutlook {
         time_of_repeats: time_facts(&repeated.time(&time, set_up_s)),
         samples: outlook.mountings.iter().map(|mounting| mounting.samples).sum(),
         sight: sight(outlook, &test.estimation().terms, &parameters),
-        at_the_place: outlook.at_the_place.iter().map(|a| at_the_place(a, repeated)).collect(),
+        at_the_place: places.collect(),
         machine_errors: machine_errors(machine, &parameters, repeated),
         parameters,
         volume_noise: volume(&outlook.volume_noise, repeated),
@@ -188,16 +190,20 @@ fn sight(outlook: &Outlook, asked: &[String], parameters: &[ParameterOutlook]) -
 }
 
 /// What is asked is known to the mean of the repeats by the noise; what a test leaves open, repeats leave open.
-fn at_the_place(answer: &Answer, repeated: Repeated) -> ForeseenPlace {
+fn at_the_place(answer: &Answer, repeated: Repeated, bar_um_m: Option<f64>) -> ForeseenPlace {
     let (unit, factor) = answer.asked.unit();
     let open = |all: f64| (all.powi(2) - answer.noise.powi(2)).max(0.0).sqrt();
     let of_mean = answer.noise / f64::from(repeated.repeats).sqrt();
+    let all = answer.all.and_then(|all| finite(of_mean.hypot(open(all)) * factor));
+    let of_scale = bar_um_m.filter(|_| matches!(answer.asked, Asked::Scale(_)));
+    let (all, looks_like) =
+        place::beside_bar(of_scale, of_mean * factor, all, place::looks_like(answer));
     ForeseenPlace {
         quantity: answer.asked.name(),
         unit,
         noise: repeated.spread(finite(answer.noise * factor)),
-        all: answer.all.and_then(|all| finite(of_mean.hypot(open(all)) * factor)),
-        looks_like: place::looks_like(answer),
+        all,
+        looks_like,
     }
 }
 
