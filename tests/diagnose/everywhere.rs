@@ -232,12 +232,14 @@ fn a_lag_that_hardly_shows_lets_a_fit_come_to_rest() {
 /// Where noise lasts a second times are hardly told among the vertices of the path: only an eighth of a step leads down, again and again.
 #[test]
 fn times_that_slow_noise_hides_come_to_rest() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/slow_noise");
-    let (_, campaign, diagnosis) =
-        judge::diagnosed(&Test::read(&folder.join("test.toml")).unwrap());
-    assert!(diagnosis.findings.is_empty(), "{:?}", diagnosis.findings);
+    let measured = measured("slow_noise");
+    measured.takes_all_runs();
+    assert!(measured.diagnosis.findings.is_empty(), "{:?}", measured.diagnosis.findings);
     // 0.388 um were put in, of which the fit takes the slowest.
-    assert!(campaign.rms_mm() < 0.388e-3, "{}", campaign.rms_mm());
+    assert!(measured.campaign.rms_mm() < 0.388e-3, "{}", measured.campaign.rms_mm());
+    for (truth_um, found) in measured.scales_and_squarenesses_within(2.0) {
+        assert!((found.value - truth_um).abs() < 2.0 * found.all.unwrap(), "{found:?}");
+    }
 }
 
 /// Little is left that changes along the arcs, so hardly anything tells when a reading was taken: such a fit comes to rest, too.
